@@ -100,7 +100,7 @@ WIDTHS = {"k_end": 0.035, "k_3end": 0.11, "frf": 1.75}
 def limits_of(item: Record) -> tuple[dp.Fit, dict[str, tuple[float, float, float]]]:
     """The fit, and by name the lower limit, the truth and the upper limit of what it claims."""
     test = dp.RelaxationTest(item.time, item.displacement, item.force, units="SI")
-    record = prepare(test, machine=dp.Machine(**item.told))
+    record = prepare(test, machine=dp.Machine(**item.machine_options))
     result = fit(record)
     mass = item.seal.mass_at(HERTZ, SEALS)
     bound = frf_band(result, record, mass=mass, frequency=[HERTZ], seals=SEALS)
@@ -296,7 +296,7 @@ def shown_curves(lines: Iterable[Mapping]) -> Iterator[str]:
         held = " | ".join(f"{score.held[limit]:.3f}" for limit in curve_ends.NAMES)
         yield (
             f"| {name} | {score.count} | {held} | {score.used} | {score.used_off} | "
-            f"{score.sound_used}/{score.sound} |"
+            f"{score.faultless_used}/{score.faultless} |"
         )
     yield ""
 
@@ -698,7 +698,7 @@ def work(options: argparse.Namespace) -> Iterator[tuple[dict, Callable[[], dict]
         kind = conditioning.HISTORIES[number % len(conditioning.HISTORIES)]
         if wanted.search(f"conditioned, {kind}"):
             record = conditioning.make_conditioned_record(number, options.seed)
-            group = f"conditioned, {'sound' if record.sound else 'softens'}"
+            group = f"conditioned, {'faultless' if record.faultless else 'softens'}"
             name = {"group": group, "rig": False, "name": record.name, "seed": options.seed}
             yield name, lambda item=record: judge_conditioned(item)
     for kind in SHEETS:
@@ -752,7 +752,7 @@ def _claim_of_curve(curve: curves.Curve, arms: int | str = "auto") -> dict[str, 
 
 def _claim_of_record(record: Record, arms: int | str = "auto") -> dict[str, object]:
     test = dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
-    result = fit(prepare(test, machine=dp.Machine(**record.told)), arms=arms)
+    result = fit(prepare(test, machine=dp.Machine(**record.machine_options)), arms=arms)
     return evaluate_claim(result, result.model_at(record.seal.depth), record.seal)
 
 

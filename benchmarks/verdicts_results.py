@@ -276,8 +276,8 @@ class Row(NamedTuple):
     refused: int
     use: int
     missed: int
-    sound: int
-    sound_used: int
+    faultless: int
+    faultless_used: int
     limits: int
     held: int
     seconds: float
@@ -313,7 +313,7 @@ def print_rows(rows: Iterator[Row]) -> None:
     for row in rows:
         share = f"{row.held}/{row.limits} ({row.held / max(row.limits, 1):.3f})"
         cells = (row.name, row.count, row.refused, row.use, row.missed,
-                 f"{row.sound_used}/{row.sound}", share)  # fmt: skip
+                 f"{row.faultless_used}/{row.faultless}", share)  # fmt: skip
         print("| " + " | ".join(map(str, cells)) + f" | <!-- {row.seconds:.0f} s -->", flush=True)
         use, missed = use + row.use, missed + row.missed
     rate = missed / max(use, 1)

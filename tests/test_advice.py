@@ -13,7 +13,7 @@ import pytest
 import dashpot as dp
 from dashpot.cli import COMMANDS, main
 
-ROOM = Path(dp.__file__).parent
+PACKAGE_FOLDER = Path(dp.__file__).parent
 NOT_TYPED = {
     "reading/sandbox/parent_process.py": "what the parent says to its own child",
 }
@@ -35,8 +35,8 @@ def options() -> set[str]:
 
 
 def sentences() -> Iterator[tuple[str, int, str]]:
-    for path in sorted(ROOM.rglob("*.py")):
-        where = path.relative_to(ROOM).as_posix()
+    for path in sorted(PACKAGE_FOLDER.rglob("*.py")):
+        where = path.relative_to(PACKAGE_FOLDER).as_posix()
         if where in NOT_TYPED or where.startswith(("plot/", "solids/")):
             continue
         text = path.read_text(encoding="utf-8")
@@ -45,8 +45,8 @@ def sentences() -> Iterator[tuple[str, int, str]]:
         for node in ast.walk(ast.parse(text)):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield where, node.lineno, node.value
-    for path in sorted([*ROOM.rglob("*.js"), *ROOM.rglob("*.html")]):
-        where = path.relative_to(ROOM).as_posix()
+    for path in sorted([*PACKAGE_FOLDER.rglob("*.js"), *PACKAGE_FOLDER.rglob("*.html")]):
+        where = path.relative_to(PACKAGE_FOLDER).as_posix()
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             if not OF_CSS.search(line):
                 yield where, number, line

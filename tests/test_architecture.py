@@ -86,7 +86,7 @@ def test_api_function_survives_the_import_of_its_package():
         assert getattr(dp, verb) is not folder
 
 
-def test_names_given_to_load_function_resolve():
+def test_names_passed_to_load_function_resolve():
     """A package that names one above it does so by `load_function`; such names are no imports."""
     choices = {}
     for file in (ROOT / "src").rglob("*.py"):

@@ -74,8 +74,8 @@ from dashpot.fitting.nonlinear_ramp.linearity import assess_linear_fit
 from dashpot.numerics.inference.correlated_noise import Noise, estimate_noise, nearly_white
 from dashpot.numerics.inference.model_order import (
     DECISIVE_BIC,
+    ArmShortage,
     OrderChoice,
-    Shortage,
     select_model_order,
 )
 from dashpot.planning import checks as planning
@@ -145,14 +145,14 @@ def simple(
 
 def test_misfit_of_too_few_arms_is_named_before_shifts_of_single_arms() -> None:
     """Ten arms of a wide spectrum for seven: a loss factor 1 % off, not 31 %."""
-    few, apart = simple(1e-4, 8e-6, (0.13, 0.02), 8), simple(1e-4, 8e-6, None)
+    few, separate = simple(1e-4, 8e-6, (0.13, 0.02), 8), simple(1e-4, 8e-6, None)
     assert "It has too few arms (8 do), they do not shift together" in few.message
     assert few.remedy is not None
     assert few.remedy.command_option == "--arms 8"
     # where no number of arms explains the tests, none is advised
-    assert "too few arms" not in apart.message
-    assert apart.remedy is not None
-    assert not apart.remedy.option
+    assert "too few arms" not in separate.message
+    assert separate.remedy is not None
+    assert not separate.remedy.option
     # nor where one model explains them and its arms shift apart
     assert "too few arms" not in simple(0.5, 0.0, (-0.062, 0.01), 8).message
 
@@ -733,7 +733,9 @@ FITTING = [
     Case(
         "arms_enough",
         judge_integer(
-            lambda n: solid.arms_enough(None if n < 2 else Shortage(1, n, 9e-3, 4e-3), 1, unit="N")
+            lambda n: solid.arms_enough(
+                None if n < 2 else ArmShortage(1, n, 9e-3, 4e-3), 1, unit="N"
+            )
         ),
         1,
         2,
@@ -759,7 +761,7 @@ CURVES = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", extra="Measure longer."
+            GeneralizedMaxwell(x, (), ()), 1.0, unit="Pa", remedy="Measure longer."
         ),
         3.001,
         2.999,
@@ -767,7 +769,7 @@ CURVES = [
     Case(
         "plateau_seen",
         lambda x: curves.plateau_seen(
-            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", extra="Measure longer."
+            GeneralizedMaxwell(x, (1.0,), (1.0,)), 0.0, unit="Pa", remedy="Measure longer."
         ),
         1.1e-12,
         0.9e-12,

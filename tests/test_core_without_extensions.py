@@ -99,18 +99,18 @@ def list_unasked_handlers(tree: ast.AST) -> list[int]:
 
 def _list_unasked_names(function: ast.FunctionDef) -> list[int]:
     """Return the lines of names for a handler that are called and in no condition."""
-    found: dict[str, int] = {}
+    result: dict[str, int] = {}
     for node in ast.walk(function):
         if isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(node.value, ast.Call):
             target = node.targets[0] if isinstance(node, ast.Assign) else node.target
             if ast.unparse(node.value.func) == "find_handler" and isinstance(target, ast.Name):
-                found[target.id] = node.lineno
+                result[target.id] = node.lineno
     called = {
         node.func.id
         for node in ast.walk(function)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     }
-    asked = {
+    requested = {
         name.id
         for node in ast.walk(function)
         for condition in (
@@ -120,7 +120,7 @@ def _list_unasked_names(function: ast.FunctionDef) -> list[int]:
         for name in ast.walk(condition)
         if isinstance(name, ast.Name)
     }  # fmt: skip
-    return [line for name, line in found.items() if name in called - asked]
+    return [line for name, line in result.items() if name in called - requested]
 
 
 def test_no_handler_is_called_that_may_be_missing() -> None:

@@ -6,14 +6,14 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
-from kit.cost import KEPT, waiting
+from kit.cost import GATE_CASES, waiting
 
 TESTS = Path(__file__).parent
 
 
 def test_every_dear_test_is_there() -> None:
     files: dict[str, str] = {}
-    for name in KEPT:
+    for name in GATE_CASES:
         file, *_, function = name.split("::")
         if file not in files:
             files[file] = (TESTS / file).read_text(encoding="utf-8")
@@ -21,7 +21,7 @@ def test_every_dear_test_is_there() -> None:
 
 
 def test_selected_cases_run_and_other_tests_do_not_wait() -> None:
-    name = next(name for name, retained in KEPT.items() if retained == 2)
+    name = next(name for name, retained in GATE_CASES.items() if retained == 2)
     cases = [SimpleNamespace(nodeid=f"tests/{name}[{i}]") for i in range(5)]
     other = SimpleNamespace(nodeid="tests/test_cost.py::test_every_dear_test_is_there[x]")
     assert waiting([*cases, other]) == cases[1:4]

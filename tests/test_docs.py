@@ -31,7 +31,7 @@ PAGES = sorted(
     for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md"))
     if "_build" not in path.parts
 )
-ELSEWHERE = {
+RUN_BY_OTHER_TESTS = {
     "demo": (".ci/run", "dashpot demo"),
     "app": ("tests/extensions/app/test_journeys.py", "dashpot app"),
     "batch --watch": ("tests/extensions/batch/test_watching.py", '"--watch"'),
@@ -80,7 +80,7 @@ def find_other_test(name: str, words: list[str]) -> tuple[str, str] | None:
     """Where a command is run in place of these tests; None if these run it."""
     if name == "demo" and "--files" in words:
         return None
-    return ELSEWHERE.get(f"{name} --watch" if "--watch" in words else name)
+    return RUN_BY_OTHER_TESTS.get(f"{name} --watch" if "--watch" in words else name)
 
 
 class PageCommand(NamedTuple):
@@ -472,11 +472,11 @@ def test_calls_in_a_sentence_name_parameters_that_exist() -> None:
         text = (ROOT / page).read_text("utf-8")
         for call in re.finditer(r"(\w+)\(([^()\n]*\w=[^()\n]*)\)", text):
             keywords = re.findall(r"(?<![\w=<>])(\w+)=(?!=)", re.sub('"[^"]*"', "", call[2]))
-            known = parameters.get(call[1])
+            expected = parameters.get(call[1])
             wrong += [
                 f"{page}: {call[0]}"
                 for keyword in keywords
-                if known and not any(names & {keyword, "**"} for names in known)
+                if expected and not any(names & {keyword, "**"} for names in expected)
             ]
     assert wrong == []
 
@@ -491,10 +491,10 @@ def test_every_member_of_an_api_page_exists():
                 module = rest
             elif line.strip().startswith(":members: "):
                 names = line.partition(":members: ")[2].split(",")
-                found = importlib.import_module(module)
+                result = importlib.import_module(module)
                 missing += [
                     f"{page.name}: {module} {name}"
                     for name in map(str.strip, names)
-                    if not hasattr(found, name)
+                    if not hasattr(result, name)
                 ]
     assert missing == []

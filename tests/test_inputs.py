@@ -48,7 +48,7 @@ from dashpot.extensions.app.upload_store import Store
 from dashpot.extensions.batch import batch_run
 from dashpot.extensions.batch.batch_options import BatchOptions
 from dashpot.extensions.batch.batch_run import batch
-from dashpot.extensions.batch.lot_options import OF_HAMMER_ALONE
+from dashpot.extensions.batch.lot_options import HAMMER_ONLY
 from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.options import Measures, RodChoices
 from dashpot.extensions.materials.rod.datamodel import RodErrors
@@ -99,7 +99,7 @@ FACES: dict[str, dict[type, tuple[str, ...]]] = {
     "export": {Job: ("seals",), Specimen: ()},
 }  # fmt: skip
 """Options of the commands; () is all that the dataclass declares."""
-ASKED_OTHERWISE = {
+OTHER_SOURCES = {
     "seal_mass": "of a seal that weighs something", "band": "the page compares every line",
     "filter": "nothing is filtered here", "title": "of a report", "logo": "of a report",
     "impact_temperature": "of several tests", "joint": "a button that fits both",
@@ -206,7 +206,7 @@ def test_every_job_field_is_in_the_form_or_listed_as_absent() -> None:
     in_form = {name for name in names if f'id="{name}"' in text or f"data-{name}=" in text}
     in_form |= {"specimen"} if 'id="specimen-name"' in text else set()
     # a table of hits, which the server draws
-    assert names - in_form - {"hammer"} == set(ASKED_OTHERWISE)
+    assert names - in_form - {"hammer"} == set(OTHER_SOURCES)
 
 
 @pytest.mark.parametrize("name", ["method", "law", "family"])
@@ -266,8 +266,8 @@ TEXT = st.text(string.ascii_letters + string.digits + " -,'\"é", min_size=1).fi
 )
 NAMES = st.text(string.ascii_lowercase, min_size=1, max_size=5).map(lambda name: f"{name}.csv")
 HITS = st.lists(NAMES.map(lambda name: f"hits [{name}"), max_size=3, unique=True).map(tuple)
-SOUND = st.floats(1e-6, 1e6)
-OWN: dict[tuple[str, str], st.SearchStrategy[Any]] = {
+POSITIVE = st.floats(1e-6, 1e6)
+RANGES_BY_FIELD: dict[tuple[str, str], st.SearchStrategy[Any]] = {
     ("Job", "impact"): HITS,
     ("HammerChoices", "motion"): st.sampled_from(get_choice_values(OverBase)),
     ("LevelJob", "motion"): st.sampled_from(get_choice_values(OverBase)),
@@ -294,8 +294,8 @@ def values(cls: type, field: Field[Any]) -> st.SearchStrategy[Any]:
     how = field.metadata
     if "options_class" in how:
         return instances(how["options_class"])
-    if (cls.__name__, field.name) in OWN:
-        return OWN[cls.__name__, field.name]
+    if (cls.__name__, field.name) in RANGES_BY_FIELD:
+        return RANGES_BY_FIELD[cls.__name__, field.name]
     if "choices" in how:
         return st.sampled_from(how["choices"])
     if "is_flag" in how:
@@ -304,15 +304,15 @@ def values(cls: type, field: Field[Any]) -> st.SearchStrategy[Any]:
         return st.tuples(st.just(0.0) | st.floats(1e-6, 10), st.floats(11, 1e3))
     if "minimum" in how:
         return st.integers(how["minimum"], 9)
-    single = NAMES if is_path_field(field) else TEXT
+    values = NAMES if is_path_field(field) else TEXT
     if "unit" in how:
-        single = st.floats(100, 550) if how["unit"] == "temperature" else SOUND
+        values = st.floats(100, 550) if how["unit"] == "temperature" else POSITIVE
         if "size" in how:
             least, largest = how["size"].hard
-            single = st.floats(max(least, 1e-6), largest)
+            values = st.floats(max(least, 1e-6), largest)
     elif isinstance(field.default, float):
-        single = SOUND
-    return st.lists(single, max_size=3).map(tuple) if isinstance(field.default, tuple) else single
+        values = POSITIVE
+    return st.lists(values, max_size=3).map(tuple) if isinstance(field.default, tuple) else values
 
 
 def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
@@ -331,7 +331,7 @@ def instances(cls: Any, *names: str) -> st.SearchStrategy[Any]:
 
 def make_shared_reading(batch_options: BatchOptions) -> BatchOptions:
     """A batch has one set of reading options: what is said of the hammer's files by theirs."""
-    bench = batch_options.reading.drop_fields(OF_HAMMER_ALONE)
+    bench = batch_options.reading.drop_fields(HAMMER_ONLY)
     impact = replace(
         batch_options.reading_impact.select_fields(OF_HAMMER), frequency=bench.frequency
     )
@@ -420,7 +420,7 @@ def test_levels_are_typed_as_the_job_that_they_are(job: LevelJob) -> None:
     assert LevelJob(*messages.heard, **messages.named) == message
 
 
-@given(instances(ModesJob, "files", "band", "seals", "options"), st.lists(SOUND, min_size=2))
+@given(instances(ModesJob, "files", "band", "seals", "options"), st.lists(POSITIVE, min_size=2))
 def test_modes_are_typed_as_the_job_that_they_are(job: ModesJob, masses: list[float]) -> None:
     bare = replace(job, files=job.files or ("frf.csv",), seals=1.0)  # seals are of masses
     messages = heard(modes_handler, "modes_files", format_job_command("fit", bare), "frf")

@@ -9,7 +9,7 @@ import dashpot as dp
 from dashpot.base.units import convert_to_si, si_range
 from dashpot.export import TARGETS
 from dashpot.fitting.identification.identify import identify
-from dashpot.planning.assumed_seal import SupposedSeal
+from dashpot.planning.assumed_seal import AssumedSeal
 from dashpot.planning.plan import plan
 from dashpot.planning.plan_options import HammerPlan
 from dashpot.planning.planned_ramp_hold import Bench
@@ -64,13 +64,13 @@ def test_a_plan_in_the_words_of_the_bench():
     words = plan(
         Bench(depth="8mm", ramp_time="1s", noise="5mN", machine=dp.Machine(sync="0.5ms")),
         at="12.71Hz",
-        seal=SupposedSeal(arm=("0.05N/mm", "12ms"), temperature="23degC"),
+        seal=AssumedSeal(arm=("0.05N/mm", "12ms"), temperature="23degC"),
         hammer=HammerPlan(mass="104g", record="8s"),
     )
     numbers = plan(
         Bench(8e-3, 1.0, noise=5e-3, machine=dp.Machine(sync=5e-4)),
         at=12.71,
-        seal=SupposedSeal(arm=(50.0, 0.012), temperature=296.15),
+        seal=AssumedSeal(arm=(50.0, 0.012), temperature=296.15),
         hammer=HammerPlan(0.104, record=8.0),
     )
     assert str(words) == str(numbers)

@@ -18,7 +18,7 @@ from dashpot.registry import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-ASKED = [
+REQUIREMENTS = [
     Requirement(line)
     for group in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values())
     for line in group
@@ -33,7 +33,7 @@ def pins_by_name():
     return {canonicalize_name(pin.name): pin.specifier for pin in pins}
 
 
-@pytest.mark.parametrize("requested", ASKED, ids=str)
+@pytest.mark.parametrize("requested", REQUIREMENTS, ids=str)
 def test_pinned_versions_satisfy_the_requirements(pins_by_name, requested):
     (pin,) = pins_by_name[canonicalize_name(requested.name)]
     assert pin.operator == "=="

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from kit.trials import (
     DISTURBANCES,
+    FAULTLESS,
     KINDS,
     LAWS,
-    SOUND,
     Seal,
     record,
     relaxation_test,
@@ -61,7 +61,7 @@ def test_trial_law_reaches_unity_with_its_slope(name):
 
 
 def test_the_cubic_seal_has_the_tangents_of_the_acceptance():
-    item = record(PAPER, replace(SOUND, hold=1.0), law="cubic")
+    item = record(PAPER, replace(FAULTLESS, hold=1.0), law="cubic")
     assert 196.5 * item.tangent(8e-3) == pytest.approx(289.5, abs=0.1)
     assert 196.5 * item.tangent(2.6e-3) == pytest.approx(164.7, abs=0.1)
 
@@ -69,7 +69,7 @@ def test_the_cubic_seal_has_the_tangents_of_the_acceptance():
 @pytest.mark.parametrize("motion", sorted({kind.motion for kind in KINDS}))
 def test_dashpot_computes_the_same_force_for_the_same_motion(motion):
     kind = next(k for k in KINDS if k.motion == motion and k.solid == "4 arms")
-    item = trial(kind, seed=3, bench=SOUND.perfect())
+    item = trial(kind, seed=3, bench=FAULTLESS.perfect())
     solid = GeneralizedMaxwell(item.seal.k_inf, item.seal.k, item.seal.tau)
     theirs = solid.force(item.time, item.displacement)
     # the motion between samples is a chord to dashpot, and a quarter as coarse here
@@ -78,12 +78,12 @@ def test_dashpot_computes_the_same_force_for_the_same_motion(motion):
 
 
 def test_a_compliant_machine_gives_way_by_its_force():
-    item = record(PAPER, replace(SOUND.perfect(), hold=3.0, compliance=50e-6))
+    item = record(PAPER, replace(FAULTLESS.perfect(), hold=3.0, compliance=50e-6))
     np.testing.assert_allclose(item.compression + 50e-6 * item.pure, item.displacement, atol=1e-12)
 
 
 def test_filter_and_delay_are_what_they_say():
-    still = replace(SOUND.perfect(), hold=3.0)
+    still = replace(FAULTLESS.perfect(), hold=3.0)
     pure = record(PAPER, still)
     late = record(PAPER, replace(still, late=5e-3))
     np.testing.assert_allclose(late.force[5:], pure.force[:-5], atol=1e-12)
@@ -115,7 +115,7 @@ def test_the_42_kinds_are_drawn_by_their_seed():
 def test_a_disturbance_shows_in_the_record(name):
     bench = replace(DISTURBANCES[name], hold=5.0)
     intact = replace(bench, **{
-        field: getattr(SOUND, field)
+        field: getattr(FAULTLESS, field)
         for field in ("late", "force_filter", "hum", "drift", "compliance", "creep", "friction",
                       "slip", "clip", "noise_time", "interval", "axis", "damping")
     })  # fmt: skip

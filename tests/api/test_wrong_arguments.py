@@ -263,6 +263,8 @@ def test_method_with_an_argument_of_any_type_is_answered(
         (lambda r: r.frf.band("a"), "FRF.band needs high: it was not given"),
         (lambda r: r.fit.at(), 'Fit.at needs temperature.* such as temperature="23degC"'),
         (lambda r: r.fit.intervals("95%"), "level is '95%'; expected a number, such as level=0.95"),
+        (lambda r: r.fit.model.stiffness_at("3"), "s is '3'; expected an array of numbers"),
+        (lambda r: r.fit.model.slope_at(["3"]), "s is .*'3'.*; expected an array of numbers"),
         (lambda r: r.frf.modes("peak"), "by place, found 1 value. Name what else it takes: method"),
         (lambda r: r.fit.save("a.json", True), "Fit.save takes path by place, found 2 values"),
         (lambda r: r.fit.intervals(levle=0.9), "levle= does not suit Fit.int.*Did you mean level="),

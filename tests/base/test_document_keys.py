@@ -25,12 +25,14 @@ def list_serialisable_classes() -> tuple[type, ...]:
     for module in pkgutil.walk_packages(dashpot.__path__, "dashpot."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
-    found, waiting = set(), [Serialisable]
+    result, waiting = set(), [Serialisable]
     while waiting:
         subclasses = waiting.pop().__subclasses__()
-        waiting += [subclass for subclass in subclasses if subclass not in found]
-        found |= {subclass for subclass in subclasses if subclass.__module__.startswith("dashpot.")}
-    return tuple(sorted(found, key=lambda class_: (class_.__module__, class_.__qualname__)))
+        waiting += [subclass for subclass in subclasses if subclass not in result]
+        result |= {
+            subclass for subclass in subclasses if subclass.__module__.startswith("dashpot.")
+        }
+    return tuple(sorted(result, key=lambda class_: (class_.__module__, class_.__qualname__)))
 
 
 @cache
@@ -91,7 +93,7 @@ def find_missing_attributes(class_: type) -> list[str]:
                     types_.append(get_attribute_type(owner, name))
                 except AttributeError as error:
                     missing.append(f"{class_.__qualname__}: {'.'.join(key.path)!r}: {error}")
-            owners = {known for type_ in types_ for known in iterate_annotated_classes(type_)}
+            owners = {expected for type_ in types_ for expected in iterate_annotated_classes(type_)}
     return missing
 
 

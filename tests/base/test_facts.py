@@ -143,11 +143,11 @@ def test_what_takes_in_a_sealed_document_is_sealed_as_a_whole() -> None:
 
 
 def test_the_fields_go_back_the_way_they_came() -> None:
-    laid = {"law": "linear", "high": 2.0, "k": 3.0, "strange": 4.0}
-    assert decode_fields(Result, laid) == {
-        "law": "linear", "part": {"length": 2.0}, "more": laid,
+    placed = {"law": "linear", "high": 2.0, "k": 3.0, "strange": 4.0}
+    assert decode_fields(Result, placed) == {
+        "law": "linear", "part": {"length": 2.0}, "more": placed,
     }  # fmt: skip
-    whole = laid | {"part": {"length": 1.0, "inside": None}}
+    whole = placed | {"part": {"length": 1.0, "inside": None}}
     assert decode_fields(Result, whole)["part"] == whole["part"]
 
 

@@ -153,7 +153,7 @@ def test_the_next_command_says_each_of_several_temperatures() -> None:
     assert done.output.split() == message
 
 
-FORMER = {
+DEPRECATED_OPTIONS = {
     "fit": {
         "--text": "--text-format", "--part": "--file-part", "--as": "--kind",
         "--known": "--prior", "--only": "--at-temperature", "--cuts": "--time-limits",
@@ -175,7 +175,7 @@ FORMER = {
 """Names of options in the edition before, with those of now."""
 
 
-@pytest.mark.parametrize("name", FORMER)
+@pytest.mark.parametrize("name", DEPRECATED_OPTIONS)
 def test_option_takes_its_earlier_spelling_and_hides_it(name):
     command = main.get_command(click.Context(main), name)
     help_text = ran(name, "--help-all").output
@@ -185,8 +185,8 @@ def test_option_takes_its_earlier_spelling_and_hides_it(name):
         for option in command.options
         if option.hidden_alias and option.hidden_alias not in {"text", "part", "as"}
     }
-    assert declared.items() <= FORMER[name].items()
-    for previous, flag in FORMER[name].items():
+    assert declared.items() <= DEPRECATED_OPTIONS[name].items()
+    for previous, flag in DEPRECATED_OPTIONS[name].items():
         assert f" {previous} " not in help_text
         assert f" {flag} " in help_text
         taken, _, _ = parser.parse_args(["file", previous, "5"])

@@ -6,6 +6,7 @@ import io
 import os
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import click
 import pytest
@@ -22,8 +23,9 @@ from dashpot.base.progress import send_progress
 from dashpot.cli import _command_files, _command_result, _terminal
 from dashpot.cli._command import verb
 from dashpot.cli._command_result import CommandResult
-from dashpot.cli._options import result_options as told
+from dashpot.cli._options import result_options
 from dashpot.datamodel.fit_diagnostics import DepthStiffness
+from dashpot.datamodel.frf import Hit
 from dashpot.export import TARGETS
 from dashpot.text_output import layout, results
 from dashpot.text_output.layout import (
@@ -34,6 +36,7 @@ from dashpot.text_output.layout import (
     format_for_screen,
     wrap_line,
 )
+from dashpot.workflow.example_files import FILES, MASS
 from dashpot.workflow.json_archive import from_json, to_json
 
 STOP = Check("a_stop", False, "a stop; do that", grade="stop")
@@ -212,7 +215,7 @@ def invoke(*words, checks=(STOP,), **how):
     outcome = CommandResult(
         {}, Text(["text"]), checks, verdict=verdict(checks), next_command="dashpot x"
     )
-    command = verb("story", "Tell a story.", told(plot=False))(lambda: outcome)
+    command = verb("story", "Tell a story.", result_options(plot=False))(lambda: outcome)
     return CliRunner().invoke(command, words, **how)
 
 
@@ -241,7 +244,7 @@ def test_every_verdict_has_a_distinct_colour(use):
 
 
 def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
-    @verb("page", "Write a page.", told(plot=False))
+    @verb("page", "Write a page.", result_options(plot=False))
     def command():
         _command_result.write_output(str(tmp_path / "page.html"), "x")
         return CommandResult({}, Text(["text"]), next_command="dashpot fit page.html")
@@ -255,7 +258,7 @@ def test_what_was_written_and_what_comes_next_stand_last(tmp_path):
 
 
 def test_command_lists_written_files_when_it_fails(tmp_path):
-    @verb("two", "Write two files.", told(plot=False))
+    @verb("two", "Write two files.", result_options(plot=False))
     def command():
         _command_result.write_output(str(tmp_path / "first.csv"), "x")
         raise dp.DataError("no second")
@@ -268,7 +271,7 @@ def test_command_lists_written_files_when_it_fails(tmp_path):
 def test_open_shows_the_page_or_says_why_not(tmp_path, monkeypatch):
     opened = []
 
-    @verb("page", "Write a page.", click.Argument(["name"]), told(plot=False))
+    @verb("page", "Write a page.", click.Argument(["name"]), result_options(plot=False))
     def command(*, name):
         _command_result.write_output(str(tmp_path / "data.csv"), "")
         _command_result.write_output(str(tmp_path / name), "")
@@ -430,3 +433,18 @@ def test_a_result_fits_the_terminal_that_shows_it(monkeypatch):
     assert _terminal.get_screen_size() == (COLUMNS, LINES)
     monkeypatch.setattr("sys.stdout.isatty", lambda: False, raising=False)
     assert _terminal.get_screen_size() == (COLUMNS, LINES)
+
+
+def test_reason_of_several_hits_is_one_line_with_their_count():
+    reasons = (("overload",), ("overload", "late"), ("overload",), ())
+    hits = [Hit(str(i), 0.1, not own, own) for i, own in enumerate(reasons, start=1)]
+    assert results._format_hits(hits)[-2:] == ["    3 hits, 1, 2, 3: overload", "    2: late"]
+
+
+@pytest.mark.parametrize(("tests", "name"), [(("seal_8mm.csv",), "joint"), ((), "fit")])
+def test_fit_of_a_hammer_names_a_joint_model_only_with_a_test(tmp_path, monkeypatch, tests, name):
+    monkeypatch.chdir(tmp_path)
+    for file in (*tests, "hammer.csv"):
+        Path(file).write_text(FILES[file].write())
+    text = ran("fit", *tests, "hammer.csv", "--mass", f"{MASS} kg", "--seals", "2").output
+    assert f"-o {name}.json" in " ".join(text.split())

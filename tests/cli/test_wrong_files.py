@@ -128,7 +128,7 @@ def test_fit_asks_separately_about_the_second_file(lab: Path) -> None:
     assert "channels.csv" in text
 
 
-def test_predict_reads_its_record_with_the_given_columns(lab: Path) -> None:
+def test_predict_reads_its_record_with_the_stated_columns(lab: Path) -> None:
     (lab / "odd.csv").write_text(bench(ramp_and_hold(), head="a,b,c"))
     named = ("--column", "time=1,displacement=2,force=3",
              "--units", "time=s,displacement=mm,force=N")  # fmt: skip

@@ -15,12 +15,12 @@ from dashpot.workflow.json_archive import from_json, to_json
 
 SEAL = GeneralizedMaxwell(196.5, (117.5, 17.8), (0.5, 16.4))
 # by two doubts: of k_inf, both k, both ln tau
-MOVED = np.array([[1.0, 0.0], [2.0, 3.0], [0.5, 0.0], [0.0, 0.04], [0.01, -0.02]])
+SHIFTS = np.array([[1.0, 0.0], [2.0, 3.0], [0.5, 0.0], [0.0, 0.04], [0.01, -0.02]])
 
 
 def make_fit_with_rig_errors(**inputs):
     fit = a_fit(SEAL, **inputs)
-    return a_fit(SEAL, estimate=fit.estimate.with_rig(MOVED))
+    return a_fit(SEAL, estimate=fit.estimate.with_rig(SHIFTS))
 
 
 def test_standard_error_includes_rig_and_noise():
@@ -35,7 +35,7 @@ def test_standard_error_includes_rig_and_noise():
     assert fit.estimate.noise_only == quiet.estimate
     assert quiet.estimate.noise_only is quiet.estimate
     # a second rig leaves the noise as it is
-    assert fit.estimate.with_rig(MOVED).noise_only == quiet.estimate
+    assert fit.estimate.with_rig(SHIFTS).noise_only == quiet.estimate
 
 
 def test_either_side_of_a_profile_grows_by_what_the_rig_may_have_done():

@@ -218,10 +218,10 @@ def test_columns_of_tables_are_attributes_of_their_rows() -> None:
             rows = types_of(call.args[0], names)
             if function == "collect_columns" and rows == {kind}:
                 rows = leaves(get_type_hints(kind.__getitem__)["return"])  # type: ignore[attr-defined]
-            asked = {keyword.arg for keyword in call.keywords if keyword.arg is not None}
-            missing = [asked - {*dir(row), *get_type_hints(row)} for row in rows]
+            requested = {keyword.arg for keyword in call.keywords if keyword.arg is not None}
+            missing = [requested - {*dir(row), *get_type_hints(row)} for row in rows]
             assert set() in missing, f"{kind.__name__}: {rows} has no {missing}"
-            count += len(asked)
+            count += len(requested)
     assert count > 60
 
 

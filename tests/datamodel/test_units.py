@@ -10,7 +10,7 @@ import pytest
 
 import dashpot as dp
 from dashpot.base.errors import DataError
-from dashpot.datamodel.frf import FRF
+from dashpot.datamodel.frf import FRF, Kind
 from dashpot.datamodel.relaxation import RelaxationTest
 from dashpot.datamodel.vibration_tests import ImpactTest
 from dashpot.extensions.amplitude.datamodel import AmplitudeSweep
@@ -89,12 +89,20 @@ def test_sweeps_and_modulus_classes_accept_their_units():
 
 @pytest.mark.parametrize(
     ("units", "message"),
-    [("Hz, N/m", "is a unit of dynamic_stiffness"), ("Hz, m", "no unit of accelerance"),
+    [("Hz, N/m", "is a unit of dynamic stiffness"), ("Hz, m", "no unit of accelerance"),
      ("Hz, g/g", "no unit of accelerance"), ("mm, g/N", "unit of length")],
 )  # fmt: skip
 def test_the_unit_of_an_frf_agrees_with_what_it_relates(units, message):
     with pytest.raises(DataError, match=message):
         FRF(F, F + 0j, units=units)
+
+
+@pytest.mark.parametrize("kind", list(Kind))
+def test_frf_of_each_kind_reads_as_a_sentence(kind):
+    """An identifier, dynamic_stiffness, stood in sentences."""
+    frf = FRF(F, F + 0j, quantity=kind, units="SI")
+    assert kind.label in repr(frf)
+    assert "_" not in kind.label + repr(frf)
 
 
 def test_units_refuse_a_mix_of_modulus_and_stiffness():

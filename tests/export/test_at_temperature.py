@@ -18,19 +18,19 @@ from dashpot.solids.demo_seals import BROAD, SHIFT
 from dashpot.solids.shift_laws import Arrhenius, FreeShifts, TemperatureLaw
 from dashpot.workflow.json_archive import to_json
 
-ROOM = SHIFT.reference
-TESTED = (273.15, 283.15, ROOM)
-ENERGY = Arrhenius(9e4, ROOM)
-FREE = FreeShifts(TESTED, (1.5, 0.77, 0.0), ROOM)
+AMBIENT = SHIFT.reference
+TESTED = (273.15, 283.15, AMBIENT)
+ENERGY = Arrhenius(9e4, AMBIENT)
+FREE = FreeShifts(TESTED, (1.5, 0.77, 0.0), AMBIENT)
 
 
 def moving(law: TemperatureLaw = SHIFT, vertical: str = "T/T_r", **specimen: object) -> Fit:
     """A fit of three temperatures whose solid follows a law."""
-    shifts = tuple(Shift(t, float(law.log10_a_t(t)), 1e-3, t / ROOM) for t in TESTED)
+    shifts = tuple(Shift(t, float(law.log10_a_t(t)), 1e-3, t / AMBIENT) for t in TESTED)
     names = {"wlf": ("c1", "c2"), "arrhenius": ("energy",), "free": ()}[law.kind]
     doubt = np.zeros((len(names), len(names)))
     temperature_shifts = TemperatureShifts(law, shifts, np.zeros((6, 6)), names, doubt, vertical)
-    expected = Specimen(**({"length": 0.1, "temperature": ROOM} | specimen))
+    expected = Specimen(**({"length": 0.1, "temperature": AMBIENT} | specimen))
     return replace(a_fit(BROAD, specimen=expected), temperatures=temperature_shifts)
 
 
@@ -88,7 +88,7 @@ def test_ansys_shifts_by_wlf_and_by_tool_and_narayanaswamy():
 
 @pytest.mark.parametrize("target", ["abaqus", "ansys"])
 def test_there_is_no_card_without_a_law(target):
-    still = a_fit(BROAD, specimen=Specimen(temperature=ROOM, length=0.1))
+    still = a_fit(BROAD, specimen=Specimen(temperature=AMBIENT, length=0.1))
     for fit in (still, moving(FREE)):
         deck = prony(target, fit)
         assert "*TRS" not in deck
@@ -157,9 +157,9 @@ def test_a_temperature_that_nobody_noted_is_stated():
     assert "a_T" not in deck
 
 
-@pytest.mark.parametrize(("kelvin", "refused"), [(ROOM + 0.5, False), (ROOM + 0.501, True)])
+@pytest.mark.parametrize(("kelvin", "refused"), [(AMBIENT + 0.5, False), (AMBIENT + 0.501, True)])
 def test_deck_of_one_temperature_refuses_another(kelvin, refused):
-    fit = a_fit(BROAD, specimen=Specimen(length=0.1, temperature=ROOM))
+    fit = a_fit(BROAD, specimen=Specimen(length=0.1, temperature=AMBIENT))
     specimen = Specimen(length=0.1, temperature=kelvin)
     if not refused:
         assert "k_inf = 0.1965 N/mm" in prony("abaqus", fit, specimen=specimen)
@@ -193,7 +193,7 @@ def test_the_command_asks_for_a_temperature(tmp_path):
     text = deck.read_text()
     assert "temperature: 253.15 K (-20 degC)" in text
     assert "contact length: 0.2 m" in text
-    assert f"model: k_inf = {2 * 196.5 * 253.15 / ROOM:.10g}" in text
+    assert f"model: k_inf = {2 * 196.5 * 253.15 / AMBIENT:.10g}" in text
     refused = ran(*words, "--temperature", "-50degC")
     assert refused.exit_code == 2
     assert "glass transition" in refused.output

@@ -35,7 +35,7 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.solids.demo_seals import PAPER
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-KNOWN = Machine(sync=1e-3, drift=2e-5, compliance=0.0, creep=0.0, rest=1e5)
+STATED_RIG = Machine(sync=1e-3, drift=2e-5, compliance=0.0, creep=0.0, rest=1e5)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +48,7 @@ def record() -> RampHold:
 def foreign(truth: int, rig: str) -> tuple[Record, RampHold, Fit]:
     item = next(verdict_records([TRUTHS[truth]], [rig], 0))
     test = RelaxationTest(item.time, item.displacement, item.force, units="SI")
-    record = prepare(test, machine=Machine(**item.told))
+    record = prepare(test, machine=Machine(**item.machine_options))
     return item, record, fit(record)
 
 
@@ -309,12 +309,12 @@ def test_the_point_knows_nothing_of_it_and_every_limit_does(record: RampHold) ->
         build_nuisance_terms(record, for_limits=True).priors["drift"],
     )
     assert blind.sd < wide.sd
-    usual, expected = fit(record), fit(replace(record, machine=KNOWN))
+    usual, expected = fit(record), fit(replace(record, machine=STATED_RIG))
     assert usual.model.k_inf == pytest.approx(expected.model.k_inf, rel=5e-3)
     assert width(usual) > 3 * width(expected)
     # each value that is named narrows the stiffness at the end
     for name in ("compliance", "creep", "drift", "rest"):
-        less = replace(record, machine=replace(KNOWN, **{name: None}))
+        less = replace(record, machine=replace(STATED_RIG, **{name: None}))
         assert width(fit(less)) > 1.02 * width(expected)
 
 
@@ -322,7 +322,8 @@ def test_end_of_hold_states_the_gain_of_naming_the_machine(record: RampHold) -> 
     end = fit(record).evidence.end_of_hold
     assert end is not None
     expected = replace(
-        record, machine=replace(KNOWN, drift=build_load_cell_priors(record).limit_drift.sd / 5)
+        record,
+        machine=replace(STATED_RIG, drift=build_load_cell_priors(record).limit_drift.sd / 5),
     )
     assert end.if_machine_named * np.ptp(end.k_end) == pytest.approx(width(fit(expected)), rel=0.6)
     assert "give the drift, compliance and creep of the machine" in end.format_with_remedy("N/m")
@@ -336,13 +337,13 @@ def test_end_of_hold_of_a_stated_rig_is_within_one_per_cent() -> None:
     rig = replace(
         RIGS["crosshead creep 20 um, recorded"],
         protocol={"baseline": 10.0},
-        told={"compliance": 0.0},
+        machine_options={"compliance": 0.0},
     )
     half = []
     for truth in TRUTHS[:3]:
         item = read(Seal(truth), protocol_of(truth), rig)
         test = RelaxationTest(item.time, item.displacement, item.force, units="SI")
-        end = fit(prepare(test, machine=Machine(**item.told))).evidence.end_of_hold
+        end = fit(prepare(test, machine=Machine(**item.machine_options))).evidence.end_of_hold
         assert end is not None
         low, high = end.k_end
         assert low < item.seal.secant(end.end_time) < high
@@ -382,7 +383,7 @@ def test_k_inf_is_at_most_and_k_of_t_lies_in_its_interval(record: RampHold) -> N
 def test_limits_hold_a_fit_that_the_record_would_not() -> None:
     """One arm for two: its k(T) lies outside what the record allows, and says so."""
     test = prepare(simulate_relaxation(PAPER, seed=2).test)
-    poor = fit(replace(test, machine=KNOWN), arms=0)
+    poor = fit(replace(test, machine=STATED_RIG), arms=0)
     end = poor.evidence.end_of_hold
     assert end is not None
     assert end.distance_outside > 0.25

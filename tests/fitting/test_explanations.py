@@ -22,7 +22,7 @@ from dashpot.fitting.relaxation import fit
 from dashpot.preprocessing.prepare import prepare
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
-from dashpot.text_output.results import render_fit as told_text
+from dashpot.text_output.results import render_fit as render_fit_text
 from dashpot.workflow.json_archive import from_json, to_json
 
 pytestmark = pytest.mark.once
@@ -187,7 +187,7 @@ def test_explanations_recover_a_wrong_mass_for_any_prior(seed: int, value: float
     # the solid is the one that explains both: nothing else on the screen is of another
     assert get_fitted_mass(result) == lead.value
     assert result.model.k_inf == pytest.approx(fit_relaxation(seed).model.k_inf, rel=0.005)
-    text = told_text(result)
+    text = render_fit_text(result)
     printed = {
         float(match)
         for match in re.findall(

@@ -12,8 +12,8 @@ from kit.fits import restrict_to_noise, solid_errors, solid_intervals
 from kit.slopes import hold_slopes
 from kit.trials import (
     DISTURBANCES,
+    FAULTLESS,
     LAWS,
-    SOUND,
     Seal,
     impact_test,
     record,
@@ -82,7 +82,7 @@ NAMED = dp.Machine(sync=0.0, drift=0.0, compliance=0.0, creep=0.0)
 
 
 def press_seal(
-    seal: Seal, *, seed: int = 1, bench=SOUND, law: str = "linear", machine=None
+    seal: Seal, *, seed: int = 1, bench=FAULTLESS, law: str = "linear", machine=None
 ) -> dp.RampHold:
     return prepare(relaxation_test(record(seal, bench, seed=seed, law=law)), machine=machine)
 
@@ -569,7 +569,7 @@ def test_a_number_of_arms_is_refused_where_there_are_none(fitted_by) -> None:
 def coverage(seeds: int) -> dict[str, float]:
     """How often the 95 % intervals of a fractional solid hold it, with an encoder of fine steps."""
     truth = {"k_inf": 200.0, "k_0": 500.0, "tau": 0.05, "alpha": 0.5}
-    bench = replace(SOUND, encoder=0.0, rate=500.0)
+    bench = replace(FAULTLESS, encoder=0.0, rate=500.0)
     inside = dict.fromkeys(truth, 0)
     for seed in range(seeds):
         test = press_seal(Seal.fractional(200.0, 300.0, 0.05, 0.5), bench=bench, seed=seed)

@@ -301,7 +301,7 @@ def test_rig_and_priors_refuse_invalid_values(result: Callable[[], object], word
         result()
 
 
-def test_known_solid_converts_to_si_units_once() -> None:
+def test_prior_model_converts_to_si_units_once() -> None:
     expected = SolidPrior(static_stiffness=("1N/mm", "20N/m"), natural_frequency="12Hz")
     assert expected.static_stiffness == (1000.0, 20.0)
     assert expected.natural_frequency == (12.0, 0.0)
@@ -314,7 +314,7 @@ def test_a_strange_number_of_arms_is_refused(isolator_frf: FRF) -> None:
         identify(isolator_frf, mass=5.0, arms=-1)
 
 
-identify_room = import_module("dashpot.fitting.identification.identify")
+identification = import_module("dashpot.fitting.identification.identify")
 
 
 @pytest.mark.parametrize(("worse", "result"), [(1.009, [1, 2]), (1.011, [1])])
@@ -334,11 +334,12 @@ def test_order_selection_ignores_an_optimum_worse_than_fewer_arms(monkeypatch, w
             cost=worse if number == 2 else 1.0, bic=0.0, number=number,
         )  # fmt: skip
 
-    monkeypatch.setattr(identify_room, "Arms", lambda number: SimpleNamespace(number=number))
-    monkeypatch.setattr(identify_room, "_linear", lambda problem, most: [])
-    monkeypatch.setattr(identify_room, "_spread_arms", lambda problem, before: [None])
-    monkeypatch.setattr(identify_room, "descend", make_descent)
+    monkeypatch.setattr(identification, "Arms", lambda number: SimpleNamespace(number=number))
+    monkeypatch.setattr(identification, "_linear", lambda problem, most: [])
+    monkeypatch.setattr(identification, "_spread_arms", lambda problem, before: [None])
+    monkeypatch.setattr(identification, "descend", make_descent)
     monkeypatch.setattr(FakeProblem, "pack", lambda self, start: start, raising=False)
     assert [
-        candidate.number for candidate in identify_room._fit_candidates(FakeProblem(), [1, 2], None)
+        candidate.number
+        for candidate in identification._fit_candidates(FakeProblem(), [1, 2], None)
     ] == result

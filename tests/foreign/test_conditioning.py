@@ -153,14 +153,14 @@ def test_verdict_use_is_reliable_for_conditioned_seals() -> None:
         try:
             ready, result = fit_record(record)
         except dp.DashpotError:
-            intact += record.sound
+            intact += record.faultless
             continue
         use = result.verdict.use == "use"
         used, held = (
             used + use,
             held + (use and not list_missed_limits(record, result, ready.hold_time)),
         )
-        intact, valid = intact + record.sound, valid + (record.sound and use)
+        intact, valid = intact + record.faultless, valid + (record.faultless and use)
     assert used >= 50
     assert held >= 0.94 * used
     assert valid >= 0.7 * intact

@@ -35,9 +35,9 @@ def compute_creep(load: np.ndarray, step: float) -> np.ndarray:
     decay = np.exp(-step / tau)
     mean = (1 - decay) / (step / tau)
     for i in range(1, len(load)):
-        kept = decay * elongation
-        moved = (load[i] - K * x[i - 1] - k @ kept) / (K + k @ mean)
-        x[i], elongation = x[i - 1] + moved, kept + mean * moved
+        selected = decay * elongation
+        shifted = (load[i] - K * x[i - 1] - k @ selected) / (K + k @ mean)
+        x[i], elongation = x[i - 1] + shifted, selected + mean * shifted
     return x
 
 

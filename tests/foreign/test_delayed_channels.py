@@ -40,13 +40,13 @@ class Claim:
     """What was found, its standard error, and what is true."""
 
     name: str
-    found: float
+    estimate: float
     error: float
     truth: float
 
     @property
     def holds(self) -> bool:
-        return abs(self.found - self.truth) <= 1.96 * self.error
+        return abs(self.estimate - self.truth) <= 1.96 * self.error
 
 
 def share(claims: list[Claim]) -> float:

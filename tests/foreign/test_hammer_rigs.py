@@ -413,21 +413,21 @@ def test_cables_are_named_where_bench_and_hammer_disagree(tmp_path):
     bench = read(seal, Protocol(depth=7e-3, ramp=0.8, hold=40.0, rate=250.0), seed=1, name="bench")
     record = strike_block(1, Rig(cable=cable), seal=seal)
     hits = dp.read(write_record(record, tmp_path))
-    alone = solid_of(hits, record)
+    single = solid_of(hits, record)
     # the hammer alone cannot know: what is assumed is said
-    assert "Cables (taken as 1.5 % of the stiffness)" in str(alone)
-    assert "high-pass=0" in str(alone)
-    assert "does not separate a stiffer cable from a stiffer seal" in str(alone).replace(
+    assert "Cables (taken as 1.5 % of the stiffness)" in str(single)
+    assert "high-pass=0" in str(single)
+    assert "does not separate a stiffer cable from a stiffer seal" in str(single).replace(
         "\n" + 14 * " ", " "
     )
     test = dp.RelaxationTest(bench.time, bench.displacement, bench.force, units="SI")
     joint = dp.fit(test, hits, mass=record.truth["mass"], seals=2)
     (check,) = [check for check in joint.checks if check.name == "tests_agree"]
     assert check.failed
-    found = re.search(r"cables beside them add at least (\S+) N/mm", check.message)
-    assert found is not None
+    result = re.search(r"cables beside them add at least (\S+) N/mm", check.message)
+    assert result is not None
     added = cable * 2 * record.truth["stiffness"].real
-    assert 0.2 * added < 1e3 * float(found.group(1)) < 1.05 * added
+    assert 0.2 * added < 1e3 * float(result.group(1)) < 1.05 * added
     assert "Check cables" in check.remedy.words
 
 

@@ -21,7 +21,7 @@ def claims(names: tuple[str, ...], seed: int, *, every: int = 1) -> Iterator[tup
     """The largest error over the band over what is said of it, of each that is called "use"."""
     for record in verdict_records(TRUTHS[::every], list(names), seed):
         test = dp.RelaxationTest(record.time, record.displacement, record.force, units="SI")
-        fit = dp.fit(prepare(test, machine=dp.Machine(**record.told)))
+        fit = dp.fit(prepare(test, machine=dp.Machine(**record.machine_options)))
         if fit.verdict.use != "use":
             continue
         lines = np.geomspace(*fit.band, 40)

@@ -36,7 +36,7 @@ def fit_rig(rig: str, truth: int = 0, seed: int = 0) -> tuple[Record, dp.Fit]:
 
 def fit_of(made: Record) -> dp.Fit:
     test = dp.RelaxationTest(made.time, made.displacement, made.force, units="SI")
-    return fit(prepare(test, machine=dp.Machine(**made.told)))
+    return fit(prepare(test, machine=dp.Machine(**made.machine_options)))
 
 
 def get_check(result: dp.Fit, name: str):

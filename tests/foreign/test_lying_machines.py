@@ -54,11 +54,11 @@ def fit(records: dict[str, Channels]) -> MachineFit:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_honest_machine_is_used_and_measured(seed: int) -> None:
     machine = draw_machine(seed)
-    found = fit(measure(machine, seed))
-    assert found.verdict.use == "use"
-    assert found["gain"].value == pytest.approx(machine.gain, abs=0.002)
-    assert found["compliance"].value == pytest.approx(machine.compliance, rel=0.03)
-    assert found["delay"].value == pytest.approx(machine.delay, abs=0.2e-3)
+    result = fit(measure(machine, seed))
+    assert result.verdict.use == "use"
+    assert result["gain"].value == pytest.approx(machine.gain, abs=0.002)
+    assert result["compliance"].value == pytest.approx(machine.compliance, rel=0.03)
+    assert result["delay"].value == pytest.approx(machine.delay, abs=0.2e-3)
 
 
 @pytest.mark.parametrize("fault", FAULTS)
@@ -79,16 +79,18 @@ def test_spring_that_is_off_by_more_than_a_class_of_cells_is_not_used() -> None:
     """Below that a wrong spring and a wrong cell are one; the gain has the error of the spring."""
     machine = change_machine(draw_machine(1), gain=1.0)
     assert "gain_plausible" in fit(measure(machine, 1, 0.95 * SPRING)).verdict.reasons
-    found = fit(measure(machine, 1, 1.01 * SPRING))
-    assert found.verdict.use == "use"
-    assert found["gain"].value == pytest.approx(1.01, abs=0.002)
+    result = fit(measure(machine, 1, 1.01 * SPRING))
+    assert result.verdict.use == "use"
+    assert result["gain"].value == pytest.approx(1.01, abs=0.002)
 
 
 @pytest.mark.parametrize(("displacement", "force"), [(-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)])
 def test_signs_of_the_channels_do_not_matter(displacement: float, force: float) -> None:
     records = measure(draw_machine(0), 0)
     plain = fit(records)
-    turned = fit({role: turn_signs(one, displacement, force) for role, one in records.items()})
+    turned = fit(
+        {role: turn_signs(record, displacement, force) for role, record in records.items()}
+    )
     for name in ("compliance", "creep", "gain", "delay"):
         assert turned[name].value == pytest.approx(plain[name].value, rel=1e-6, abs=1e-9)
     assert turned.verdict.use == "use"

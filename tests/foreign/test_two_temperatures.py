@@ -7,33 +7,33 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from kit.fits import restrict_to_noise
-from kit.foreign.rigs import SOUND, Protocol, read
+from kit.foreign.rigs import FAULTLESS, Protocol, read
 from kit.foreign.truths import BROAD, FAMILIES, Seal, Solid, draw_truth
 
 import dashpot as dp
 from dashpot.fitting.prediction_bounds import parameter_band
 from dashpot.fitting.relaxation import fit
 
-ROOM, FRIDGE, HERTZ = 296.15, 273.15, 12.71
+AMBIENT, FRIDGE, HERTZ = 296.15, 273.15, 12.71
 OMEGA = 2 * np.pi * HERTZ
 HIDDEN = Solid.arms("hidden", 196.5, (117.5, 17.8, 50.0), (59 / 117.5, 292.2 / 17.8, 0.0125))
 
 
 def shift_solid(solid: Solid, kelvin: float, part: float = 1.0) -> Solid:
     """Where it is colder: WLF, b_T = T/T_0; arms below .1 s shift `part` as far."""
-    above = kelvin - ROOM
-    a_t, b_t = 10 ** (-6.9437 * above / (129.6 + above)), kelvin / ROOM
+    above = kelvin - AMBIENT
+    a_t, b_t = 10 ** (-6.9437 * above / (129.6 + above)), kelvin / AMBIENT
     tau = tuple(tau * a_t ** (part if tau < 0.1 else 1.0) for tau in solid.tau)
     return replace(solid, k_inf=b_t * solid.k_inf, k=tuple(b_t * k for k in solid.k), tau=tau)
 
 
 def pair(solid: Solid, seed: int, **separate: float) -> dp.Fit:
     tests = []
-    for kelvin in (ROOM, FRIDGE):
+    for kelvin in (AMBIENT, FRIDGE):
         record = read(
             Seal(shift_solid(solid, kelvin, **separate)),
             Protocol(hold=40.0),
-            SOUND,
+            FAULTLESS,
             seed=seed + round(kelvin),
         )
         warm = dp.Specimen(temperature=kelvin)
@@ -93,7 +93,7 @@ def assert_shift_is_honest(family: str, seed: int) -> dp.Fit:
     """Errors of shift and loss factor hold the truth to 3 SE, or the fit is not for use."""
     solid = draw_truth(family, 300 + seed)
     result = pair(solid, seed)
-    true = -6.9437 * (FRIDGE - ROOM) / (129.6 + FRIDGE - ROOM)
+    true = -6.9437 * (FRIDGE - AMBIENT) / (129.6 + FRIDGE - AMBIENT)
     shift = result.temperatures.shifts[0]
     assert abs(shift.log10_a_t - true) < 3 * shift.se or result.verdict.use != "use"
     true_stiffness = solid.stiffness(OMEGA)

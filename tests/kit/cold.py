@@ -62,7 +62,7 @@ class Bench:
     late: float = 1e-3
     count: float = 1 / 1280
     encoder: float = 0.0
-    apart: Callable[[float], float] = shift_uniformly
+    shift_factor: Callable[[float], float] = shift_uniformly
     stiffer: float = 1.0  # b over T/T_r
     warms: float = 0.0  # K over the record
 
@@ -110,7 +110,7 @@ def _force(seal: str, temperature: float, t: np.ndarray, bench: Bench) -> np.nda
     force = k_inf * np.clip(t, 0.0, bench.ramp) * bench.depth / bench.ramp
     for value, time in zip(k, tau, strict=True):
         force = force + value * arm(
-            t, time * 10 ** (log10_a(temperature) * bench.apart(time)), bench
+            t, time * 10 ** (log10_a(temperature) * bench.shift_factor(time)), bench
         )
     return b * temperature / REFERENCE * force
 

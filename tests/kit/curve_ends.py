@@ -59,8 +59,8 @@ class Score:
     held: Mapping[str, float]
     used: int
     used_off: int
-    sound: int
-    sound_used: int
+    faultless: int
+    faultless_used: int
 
     @classmethod
     def of(cls, lines: Iterable[Mapping]) -> Score:

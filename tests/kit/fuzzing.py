@@ -29,7 +29,7 @@ from dashpot.reading.sandbox.parent_process import CHILD_ENVIRONMENT
 
 SECONDS = 10.0
 """Processor time that no mutant may cost."""
-_BESIDE, _APART = 30, 120
+_LIMIT, _SANDBOX_LIMIT = 30, 120
 """Wall time over that, after which a process hangs; longer with a child of its own."""
 NAMED = ReadOptions(
     time="1", displacement="2", force="3", acceleration=("2",), frequency="1", storage="2",
@@ -129,7 +129,9 @@ class Fuzzer:
                 env={**os.environ, **CHILD_ENVIRONMENT, "PYTHONPATH": os.pathsep.join(sys.path)},
             )  # fmt: skip
         # on a busy machine a mutant waits far longer than it works; who works too long is reported
-        clock = threading.Timer((_APART if separate else _BESIDE) * SECONDS, self._process.kill)
+        clock = threading.Timer(
+            (_SANDBOX_LIMIT if separate else _LIMIT) * SECONDS, self._process.kill
+        )
         clock.start()
         try:
             with contextlib.suppress(OSError):
@@ -167,22 +169,22 @@ class _Parsers:
     """
 
     child: Callable[..., object]
-    apart: bool = False
-    kept: dict[object, object] = field(default_factory=dict)
+    separate: bool = False
+    parsed: dict[object, object] = field(default_factory=dict)
 
     def __call__(self, what, function, raw, options, *, columns=None):
         key = function, options.sheet, options.segment, columns and tuple(columns)
-        if key not in self.kept:
-            self.kept[key] = self._parsed(what, function, raw, options, columns)
-        if isinstance(self.kept[key], ReadError):
-            raise self.kept[key]
-        return self.kept[key]
+        if key not in self.parsed:
+            self.parsed[key] = self._parsed(what, function, raw, options, columns)
+        if isinstance(self.parsed[key], ReadError):
+            raise self.parsed[key]
+        return self.parsed[key]
 
     def _parsed(self, what, function, raw, options, columns):
         from dashpot.reading.sandbox import child_process, message_protocol
 
         try:
-            if self.apart:
+            if self.separate:
                 return self.child(what, function, raw, options, columns=columns)
             function = function if columns is None else partial(function, columns=columns)
             narrow = ReadOptions(sheet=options.sheet, segment=options.segment)
@@ -211,8 +213,8 @@ def main() -> None:
         path = Path(folder) / "fuzz"
         while (requested := _got(sys.stdin.buffer, 3)) is not None:
             path.write_bytes(requested[2])
-            parsers.apart = bool(requested[1])
-            parsers.kept.clear()
+            parsers.separate = bool(requested[1])
+            parsers.parsed.clear()
             before, message = time.process_time(), ""
             try:
                 TASKS[requested[0].decode()](path)

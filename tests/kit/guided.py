@@ -23,7 +23,7 @@ from pathlib import Path
 
 from kit.fuzzing import TASKS, Fuzzer, _Parsers
 
-KEPT = Path(__file__).with_name("corpus.zip")
+CORPUS = Path(__file__).with_name("corpus.zip")
 """What earlier hours found, as few files as reach all of it."""
 TRIED = ("read_all", "calibrate", "profile", "unpack")
 """What a file is given to, by its first byte."""
@@ -87,7 +87,7 @@ def plant_corpus(corpus: Path) -> set[str]:
     inputs = {
         name_content(item): item for item in (bytes([which]) + value for which, value in seeds)
     }
-    for name, element in {**inputs, **{name_content(item): item for item in read(KEPT)}}.items():
+    for name, element in {**inputs, **{name_content(item): item for item in read(CORPUS)}}.items():
         (corpus / name).write_bytes(element)
     return set(inputs)
 
@@ -107,7 +107,7 @@ def read(packed: Path) -> list[bytes]:
 
 def save_corpus(corpus: Path, seeds: set[str]) -> None:
     """Keep a corpus but its seeds beside this file, without a date: the same files, same bytes."""
-    with zipfile.ZipFile(KEPT, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
+    with zipfile.ZipFile(CORPUS, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as file:
         for path in sorted(item for item in corpus.iterdir() if item.name not in seeds):
             file.writestr(zipfile.ZipInfo(path.name), path.read_bytes())
 

@@ -127,7 +127,7 @@ class History:
     write: Callable[[Path], Path]
     kind: str
     truth: Arrays
-    asked: str = ""
+    question: str = ""
     answer: Mapping[str, Any] = field(default_factory=dict)
     sign: tuple[int, int] = (1, 1)
 

@@ -29,7 +29,7 @@ def behaves(raw: RawFile, options: ReadOptions) -> FileTable:
         (Column("even", "N"), Column("odd \ud800\x1b", None, "clock")),
         make_loader(np.where(values == 0, np.nan, values), (0, 1), ("", "second")),
         header=("# a",), notes=(str(options.sheet), str(options.segment)), simulated=True,
-        doubts=(Question("which?", "--that"),), hints=("hint",),
+        questions=(Question("which?", "--that"),), hints=("hint",),
     )  # fmt: skip
 
 

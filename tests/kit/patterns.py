@@ -81,6 +81,6 @@ def try_all(tried: dict[str, re.Pattern]) -> None:
 if __name__ == "__main__":
     import sys
 
-    given = sys.argv[1:]
-    try_all({text: re.compile(text) for text in given} if given else patterns())
+    stated = sys.argv[1:]
+    try_all({text: re.compile(text) for text in stated} if stated else patterns())
     print("done")

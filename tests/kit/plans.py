@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 from dashpot.datamodel.machine import Machine
-from dashpot.planning.assumed_seal import SupposedSeal
+from dashpot.planning.assumed_seal import AssumedSeal
 from dashpot.planning.plan import Plan, plan
 from dashpot.planning.plan_options import HammerPlan
 from dashpot.planning.planned_ramp_hold import Bench
@@ -18,7 +18,7 @@ def make_bench_plan(**words: Any) -> Plan:
     With ``force_alone`` there is no machine: nothing but the noise of the force.
     """
     single, values = words.pop("force_alone", False), []
-    for cls in (Bench, Machine, SupposedSeal, HammerPlan):
+    for cls in (Bench, Machine, AssumedSeal, HammerPlan):
         individual = {field.name for field in fields(cls)} & words.keys()
         values.append(cls(**{name: words.pop(name) for name in individual}))
     bench, machine, seal, hammer = values

@@ -209,7 +209,7 @@ class Bench:
         return replace(self, bias=0.0, noise=0.0, count=0.0, encoder=0.0)
 
 
-SOUND = Bench()
+FAULTLESS = Bench()
 
 DISTURBANCES = MappingProxyType(
     {
@@ -267,7 +267,7 @@ class Trial:
 
 
 def record(
-    seal: Seal, bench: Bench = SOUND, *, law: str = "linear", seed: int = 0, name: str = ""
+    seal: Seal, bench: Bench = FAULTLESS, *, law: str = "linear", seed: int = 0, name: str = ""
 ) -> Trial:
     """Press the seal on the bench, and read it."""
     random = np.random.default_rng([seed, 0x5EA1])
@@ -389,7 +389,7 @@ MOTIONS = MappingProxyType(
 KINDS = tuple(Kind(solid, motion) for motion in MOTIONS for solid in SOLIDS)
 
 
-def trial(kind: Kind, *, seed: int, bench: Bench = SOUND, law: str = "linear") -> Trial:
+def trial(kind: Kind, *, seed: int, bench: Bench = FAULTLESS, law: str = "linear") -> Trial:
     """Draw the solid and the baseline (none in one of four), press it in the kind's motion.
 
     A bench whose motion is its fault (coarse) keeps its axis and interval.
@@ -398,7 +398,7 @@ def trial(kind: Kind, *, seed: int, bench: Bench = SOUND, law: str = "linear") -
     seal = draw(kind.solid, random)
     baseline = 0.0 if random.uniform() < 0.25 else float(random.uniform(0.5, 3.0))
     motion = MOTIONS[kind.motion]
-    if bench.rate != SOUND.rate:
+    if bench.rate != FAULTLESS.rate:
         motion = {"ramp": motion["ramp"]}
     made = replace(bench, baseline=round(baseline, 2), **motion)
     return record(seal, made, law=law, seed=seed, name=kind.name)

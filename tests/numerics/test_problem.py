@@ -80,7 +80,7 @@ def test_the_slope_is_the_difference_of_the_model() -> None:
 def test_a_start_in_a_bad_place_is_not_followed() -> None:
     y = noisy(2)
     starts = [np.array([item]) for item in (-4.9, 0.0, 4.9)]
-    both = [decay(y).solve(starts, rough=rough) for rough in (0, 3)]
+    both = [decay(y).solve(starts, screening_steps=screening_steps) for screening_steps in (0, 3)]
     assert both[0] is not None
     assert both[1] is not None
     assert both[1].cost == pytest.approx(both[0].cost, rel=1e-10)
@@ -97,11 +97,11 @@ def test_valleys_do_not_repeat_a_visited_valley() -> None:
 
     problem = Problem(model, [Parameter(-50.0, 80.0, 10.0)])
     starts = [np.array([item]) for item in (-9.0, 39.0, 8.0)]
-    optimums = problem.valleys(starts, same_distance=0.1)
+    optimums = problem.find_optima(starts, same_distance=0.1)
     np.testing.assert_allclose([optimum.theta[0] for optimum in optimums], [0.0, 30.0], atol=1e-8)
     # within `is_same_unit` of the first it is left
     assert 1e-4 < abs(theta[-1]) < 0.1
-    assert len(problem.valleys(starts)) == 3
+    assert len(problem.find_optima(starts)) == 3
 
 
 def test_a_parameter_stays_in_its_range() -> None:

@@ -17,7 +17,7 @@ from dashpot.solids.demo_seals import BROAD, HIDDEN, SHIFT
 from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import Arrhenius
 
-ROOM = SHIFT.reference
+AMBIENT = SHIFT.reference
 AT = 12.71
 
 
@@ -45,7 +45,7 @@ def make_bench(method: str = "full", machine: Machine | None = None) -> Bench:
 
 
 def places(*celsius: float, b_t: float | None = None) -> list[Repeat]:
-    repeats = [plan_repeat(value + 273.15, ROOM, SHIFT) for value in celsius]
+    repeats = [plan_repeat(value + 273.15, AMBIENT, SHIFT) for value in celsius]
     return repeats if b_t is None else [Repeat(e.temperature, e.a_t, b_t) for e in repeats]
 
 
@@ -202,7 +202,7 @@ def test_plan_recommends_a_cold_test():
 def test_plan_recommends_a_refrigerator_only_for_a_warm_room(celsius, choices):
     plan = make_plan(temperature=celsius + 273.15)
     assert any(e.repeated for e in plan.alternatives) == choices
-    glassy = make_plan(law=type(SHIFT).universal(glass=263.16, reference=ROOM))
+    glassy = make_plan(law=type(SHIFT).universal(glass=263.16, reference=AMBIENT))
     assert not any(e.repeated for e in glassy.alternatives)
 
 
@@ -252,8 +252,10 @@ def test_what_cannot_be_is_refused(changes, words):
 
 def test_just_what_can_be_is_not():
     assert len(make_plan(cold=(273.15, 273.6501)).repeats) == 2
-    for kelvin, law in itertools.product((296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, ROOM))):
-        assert plan_repeat(kelvin, ROOM, law).temperature == kelvin
+    for kelvin, law in itertools.product(
+        (296.15 + 0.5001, 228.15), (SHIFT, Arrhenius(6e4, AMBIENT))
+    ):
+        assert plan_repeat(kelvin, AMBIENT, law).temperature == kelvin
     # the solid is that at room temperature, wherever the law's reference lies
     there = plan_repeat(273.15, 283.15, SHIFT)
     assert there.a_t == pytest.approx(float(SHIFT.a_t(273.15) / SHIFT.a_t(283.15)))

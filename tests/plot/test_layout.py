@@ -37,9 +37,9 @@ def test_a_curve_less_what_is_straight_stays_within_a_hair(seed, size, noise):
     x = np.cumsum(random.uniform(0.0, 3.0, size))
     y = 40 * np.sin(x / 30) + noise * random.standard_normal(size)
     points = np.column_stack([x, y])
-    kept = simplify_line(points)
-    assert np.array_equal(kept[[0, -1]], points[[0, -1]])
-    assert max(distance(point, kept) for point in points) <= 8 * STRAIGHT_TOLERANCE + 1e-9
+    selected = simplify_line(points)
+    assert np.array_equal(selected[[0, -1]], points[[0, -1]])
+    assert max(distance(point, selected) for point in points) <= 8 * STRAIGHT_TOLERANCE + 1e-9
 
 
 def test_a_straight_line_keeps_few_points_and_a_spike_stays():
@@ -53,26 +53,26 @@ def test_a_straight_line_keeps_few_points_and_a_spike_stays():
 def test_an_even_axis_has_two_round_numbers_or_more_inside_its_limits(low, span, length):
     assume(span > 1e-6 * abs(low))
     axis = Scale("x, s", (low, low + span))
-    found = numbers(axis, length, 40.0)
-    assert len(found) >= 2
-    assert all(low - 1e-6 * span <= v <= low + span * (1 + 1e-6) for v in found)
-    steps = np.diff(found)
+    result = numbers(axis, length, 40.0)
+    assert len(result) >= 2
+    assert all(low - 1e-6 * span <= v <= low + span * (1 + 1e-6) for v in result)
+    steps = np.diff(result)
     assert steps == pytest.approx(np.full(len(steps), steps[0]), rel=1e-3)
     mantissa = steps[0] / 10 ** math.floor(math.log10(steps[0]) + 1e-9)
     assert min(abs(mantissa - m) for m in (1, 2, 2.5, 5, 10)) < 1e-2
-    assert len(set(format_ticks(axis, found))) == len(found)
+    assert len(set(format_ticks(axis, result))) == len(result)
 
 
 @given(st.floats(-9, 6), st.floats(0.05, 12), st.floats(120, 900))
 def test_logarithmic_axis_ticks_lie_inside_limits_with_clearance(low, decades, length):
     axis = Scale("f, Hz", (10**low, 10 ** (low + decades)), log=True)
-    found = numbers(axis, length, 46.0)
-    assert all(axis.limits[0] * (1 - 1e-6) <= v <= axis.limits[1] * (1 + 1e-6) for v in found)
-    assert len(found) >= 2
+    result = numbers(axis, length, 46.0)
+    assert all(axis.limits[0] * (1 - 1e-6) <= v <= axis.limits[1] * (1 + 1e-6) for v in result)
+    assert len(result) >= 2
     # a few short numbers stand closer: two or three say little of an axis
-    apart = np.diff(length * place(axis, found)).min()
-    assert len(found) == 2 or apart >= 0.7 * 46.0 * (1 - 1e-9)
-    assert len(found) == 2 or apart >= 46.0 * (1 - 1e-9) or found[0] >= 1e-2
+    separate = np.diff(length * place(axis, result)).min()
+    assert len(result) == 2 or separate >= 0.7 * 46.0 * (1 - 1e-9)
+    assert len(result) == 2 or separate >= 46.0 * (1 - 1e-9) or result[0] >= 1e-2
 
 
 @pytest.mark.parametrize(
@@ -95,13 +95,13 @@ def test_words_at_two_peaks_side_by_side_are_clear_of_each_other_and_inside():
         for word in frame.labels:
             if word.halo:
                 wide = text_width(word.text, bold=word.bold)
-                left = word.x - (wide if word.anchor == "end" else 0)
-                boxes.append((left, left + wide, word.y - 12, word.y))
-        (a, b), (left, top, wide, _) = boxes, frame.box
+                remaining = word.x - (wide if word.anchor == "end" else 0)
+                boxes.append((remaining, remaining + wide, word.y - 12, word.y))
+        (a, b), (remaining, top, wide, _) = boxes, frame.box
         assert a[1] < b[0] or b[1] < a[0] or a[3] < b[2] or b[3] < a[2]
         for box in boxes:
-            assert left - 2 <= box[0]
-            assert box[1] <= left + wide + 14
+            assert remaining - 2 <= box[0]
+            assert box[1] <= remaining + wide + 14
             assert box[2] >= top - 4
 
 
@@ -110,13 +110,15 @@ WIDE = Scale("f, Hz", (1.0, 100.0), log=True)
 
 def words_of(panel, width, **how):
     sheet = arrange_sheet(Picture("one", "One.", ((panel,),), 1, width=width, **how))
-    return sheet, [one for strip in sheet.strips for f in strip.layout.frames for one in f.labels]
+    return sheet, [
+        label for strip in sheet.strips for f in strip.layout.frames for label in f.labels
+    ]
 
 
 def ends_of(word):
     wide = text_width(word.text, bold=word.bold)
-    left = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * wide
-    return left, left + wide
+    remaining = word.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[word.anchor] * wide
+    return remaining, remaining + wide
 
 
 def test_a_note_that_is_wider_than_its_axes_stands_above_their_name():
@@ -126,13 +128,13 @@ def test_a_note_that_is_wider_than_its_axes_stands_above_their_name():
     )
     _, wide = words_of(panel, 800.0)
     _, narrow = words_of(panel, 300.0)
-    name = next(one for one in wide if one.text == "accelerance, 1/kg")
-    assert [one.y for one in wide if one.text == note] == [name.y]
-    name = next(one for one in narrow if one.text == "accelerance, 1/kg")
-    lines = [one for one in narrow if one.text in note]
-    assert " ".join(one.text for one in lines) == note
-    assert all(one.y < name.y for one in lines)
-    assert all(ends_of(one)[0] >= 0 for one in lines)
+    name = next(item for item in wide if item.text == "accelerance, 1/kg")
+    assert [item.y for item in wide if item.text == note] == [name.y]
+    name = next(item for item in narrow if item.text == "accelerance, 1/kg")
+    lines = [item for item in narrow if item.text in note]
+    assert " ".join(line.text for line in lines) == note
+    assert all(line.y < name.y for line in lines)
+    assert all(ends_of(line)[0] >= 0 for line in lines)
 
 
 def test_tag_without_space_wraps_and_keeps_its_unit():
@@ -142,9 +144,9 @@ def test_tag_without_space_wraps_and_keeps_its_unit():
     panel = Panel(WIDE, Scale("y", (1.0, 200.0), log=True), (curve, tag), height=200)
     _, wide = words_of(panel, 800.0)
     _, narrow = words_of(panel, 210.0)
-    assert tag.text in {one.text for one in wide}
-    assert "measured 12.71 Hz," in {one.text for one in narrow}
-    assert "155 1/kg" in {one.text for one in narrow}
+    assert tag.text in {item.text for item in wide}
+    assert "measured 12.71 Hz," in {item.text for item in narrow}
+    assert "155 1/kg" in {item.text for item in narrow}
 
 
 def test_two_numbers_of_an_axis_are_made_more_where_they_are_short():
@@ -159,7 +161,7 @@ def test_a_name_stands_on_the_side_that_is_not_hatched(low):
     tag = Tag(middle, 10.0, "16.4 s", "fit", "filled")
     panel = Panel(WIDE, Scale("y", (1.0, 100.0), log=True), (span, tag), height=200)
     (frame,) = lay_out((panel,), 400.0).frames
-    ((left, right),) = (ends_of(one) for one in frame.labels if one.text == tag.text)
+    ((left, right),) = (ends_of(label) for label in frame.labels if label.text == tag.text)
     edge = frame.box.x + frame.box.width / 2
     assert left > edge if low else right < edge
 
@@ -167,9 +169,9 @@ def test_a_name_stands_on_the_side_that_is_not_hatched(low):
 def test_a_stamp_ends_where_its_sheet_does():
     stamp = "SIMULATED  ·  depth_4mm.csv, depth_6mm.csv, depth_8mm.csv  ·  114.8 g on 2 seals"
     panel = Panel(WIDE, Scale("y", (1.0, 200.0), log=True), (), height=100)
-    one, _ = words_of(panel, 800.0, stamp=stamp)
+    item, _ = words_of(panel, 800.0, stamp=stamp)
     several, _ = words_of(panel, 300.0, stamp=stamp)
-    assert [word.text for word in one.labels] == [stamp]
+    assert [word.text for word in item.labels] == [stamp]
     assert len(several.labels) > 1
     assert max(ends_of(word)[1] for word in several.labels) <= 300.0
     assert several.labels[-1].y < several.height
@@ -178,7 +180,7 @@ def test_a_stamp_ends_where_its_sheet_does():
 @given(st.integers(1, 400), st.floats(150, 1200))
 def test_axis_of_counts_has_integer_ticks(count, length):
     axis = Scale("seals", (0.5, count + 0.5), whole=True)
-    found = numbers(axis, length, 46)
-    assert all(one == round(one) for one in found)
-    assert found
-    assert all("." not in word for word in format_ticks(axis, found))
+    result = numbers(axis, length, 46)
+    assert all(item == round(item) for item in result)
+    assert result
+    assert all("." not in word for word in format_ticks(axis, result))

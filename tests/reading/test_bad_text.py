@@ -112,7 +112,7 @@ def test_read_asks_which_of_several_segments(tmp_path: Path) -> None:
     )
     test = read(tmp_path, text, segment=2)
     assert len(test.time) == ROWS
-    get_refusal(tmp_path, text, "--file-part segment=3, but the file has 2 segments", segment=3)
+    get_refusal(tmp_path, text, "--file-part segment=3, but the file has two segments", segment=3)
 
 
 def test_single_remark_does_not_split_a_record(tmp_path: Path) -> None:

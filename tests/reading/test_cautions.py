@@ -15,7 +15,7 @@ from dashpot.extensions.app import record_cache
 from dashpot.reading.read_options import ReadOptions
 from dashpot.workflow.json_archive import from_json, to_json
 
-TIME, MOVED, FORCE = press_and_hold(20.0)
+TIME, DISPLACEMENT, FORCE = press_and_hold(20.0)
 PLAIN = "time [s];displacement [mm];force [N]"
 
 DOUBTFUL = {
@@ -53,7 +53,7 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
     tmp_path: Path, head: str, words: str
 ) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(format_table(head, (TIME, MOVED, FORCE)))
+    path.write_text(format_table(head, (TIME, DISPLACEMENT, FORCE)))
     fitted = dp.fit(dp.read(path))
     assert fitted.verdict.use == "use with care"
     assert "numbers_unambiguous" in fitted.verdict.reasons
@@ -69,7 +69,7 @@ def test_what_can_change_a_number_caps_the_verdict_and_is_printed(
 @pytest.mark.parametrize("head", HARMLESS.values(), ids=HARMLESS.keys())
 def test_what_changes_no_number_costs_nothing(tmp_path: Path, head: str) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(format_table(head, (TIME, MOVED, FORCE)))
+    path.write_text(format_table(head, (TIME, DISPLACEMENT, FORCE)))
     fitted = dp.fit(dp.read(path))
     assert fitted.verdict.use == "use"
     assert not any(check.name == "numbers_unambiguous" for check in fitted.checks)
@@ -88,14 +88,14 @@ def test_seconds_under_min_are_noted_at_any_rate(tmp_path: Path, rate: float) ->
 
 def test_units_that_are_stated_do_not_tell_what_a_factor_is_of(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, DISPLACEMENT, FORCE)))
     fitted = dp.fit(dp.read(path, units={"force": "N"}))
     assert {check.name for check in fitted.verdict.failed_checks} == {"numbers_unambiguous"}
 
 
 def test_page_and_lot_have_the_check(tmp_path: Path) -> None:
     path = tmp_path / "seal.csv"
-    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, DISPLACEMENT, FORCE)))
     page = tmp_path / "fit.html"
     did("fit", path, "-o", page)
     assert "Gain: 10" in page.read_text(encoding="utf-8")
@@ -107,11 +107,11 @@ def test_page_and_lot_have_the_check(tmp_path: Path) -> None:
 def test_saved_record_keeps_its_cautions(tmp_path: Path) -> None:
     """As JSON, by which the app keeps what it has read."""
     path = tmp_path / "seal.csv"
-    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, MOVED, FORCE)))
+    path.write_text(format_table(f"Gain: 10\n{PLAIN}", (TIME, DISPLACEMENT, FORCE)))
     record = dp.read(path)
     assert from_json(to_json(record)).source == record.source
     plain = tmp_path / "plain.csv"
-    plain.write_text(format_table(PLAIN, (TIME, MOVED, FORCE)))
+    plain.write_text(format_table(PLAIN, (TIME, DISPLACEMENT, FORCE)))
     assert "cautions" not in to_json(dp.read(plain))
     (tmp_path / "files" / "one").mkdir(parents=True)
     place = tmp_path / "files" / "one" / "seal.csv"

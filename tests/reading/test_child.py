@@ -105,7 +105,7 @@ def test_slow_parser_is_terminated(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 HEAD = {
-    "format": "f", "rows": 1, "starts": [0], "segments": [""], "doubts": [],
+    "format": "f", "rows": 1, "starts": [0], "segments": [""], "questions": [],
     "columns": [["a", None, "number", ""]],
     "simulated": False, "notes": [], "header": [], "hints": [], "cautions": [],
 }  # fmt: skip
@@ -138,7 +138,7 @@ def answer(head: object, more: bytes = b"") -> bytes:
         answer(HEAD | {"cautions": ["a"]}, bytes(8)),
         answer(HEAD | {"columns": [["a"]]}, bytes(8)),
         answer(HEAD | {"notes": "abc"}, bytes(8)),
-        answer(HEAD | {"doubts": [[1, 2]]}, bytes(8)),
+        answer(HEAD | {"questions": [[1, 2]]}, bytes(8)),
         answer({"texts": [["a", 1 << 40]]}),
         answer({"texts": [[1, 1]]}, b"a"),
         answer({"texts": 3}),

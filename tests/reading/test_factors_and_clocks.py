@@ -19,9 +19,9 @@ from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 
 RATE = 20.0
-TIME, MOVED, FORCE = press_and_hold(RATE)
+TIME, DISPLACEMENT, FORCE = press_and_hold(RATE)
 UNITS = {"time": "s", "displacement": "mm", "force": "N"}
-COLUMNS = {"time": TIME, "displacement": MOVED, "force": FORCE}
+COLUMNS = {"time": TIME, "displacement": DISPLACEMENT, "force": FORCE}
 
 
 def hdf5(path: Path, *, leave: tuple[str, ...] = (), of_file: dict[str, Any] | None = None,
@@ -248,10 +248,13 @@ def test_mat_asks_about_factors_of_structs(tmp_path: Path) -> None:
     savemat(path, {"run": fields})
     with pytest.raises(ReadError, match="gain = 10"):
         read_relaxation(path)
-    savemat(path, {"time_s": TIME, "displacement_mm": MOVED, "force_N": FORCE, "force_scale": 0.1})
+    savemat(
+        path,
+        {"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_N": FORCE, "force_scale": 0.1},
+    )
     with pytest.raises(ReadError, match=r"force_scale = 0\.1"):
         read_relaxation(path)
-    savemat(path, {"time_s": TIME, "displacement_mm": MOVED, "force_N": FORCE, "gain": 10.0})
+    savemat(path, {"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_N": FORCE, "gain": 10.0})
     assert any("gain = 10" in note for note in read_relaxation(path).source.cautions)
 
 
@@ -292,7 +295,7 @@ TEXTS = {
 @pytest.mark.parametrize("head", TEXTS.values(), ids=TEXTS.keys())
 def test_a_hold_without_a_clock_is_no_cld(tmp_path: Path, head: str) -> None:
     path = tmp_path / "a.csv"
-    path.write_text(format_table(head, (MOVED, FORCE)))
+    path.write_text(format_table(head, (DISPLACEMENT, FORCE)))
     assert recognise(path).kind == "relaxation"
     requested = "--rate 1000Hz" if head == TEXTS["nothing"] else f"--rate {RATE:g}Hz"
     with pytest.raises(ReadError, match=requested):
@@ -301,7 +304,9 @@ def test_a_hold_without_a_clock_is_no_cld(tmp_path: Path, head: str) -> None:
 
 def test_read_asks_about_a_time_in_metres(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
-    path.write_text(format_table("Time (m);displacement [mm];force [N]", (TIME / 60, MOVED, FORCE)))
+    path.write_text(
+        format_table("Time (m);displacement [mm];force [N]", (TIME / 60, DISPLACEMENT, FORCE))
+    )
     assert recognise(path).kind == "relaxation"
     with pytest.raises(ReadError, match="'Time' is labelled 'm'"):
         read_relaxation(path)

@@ -64,7 +64,7 @@ def test_wounded_text(fuzzer: Fuzzer, content: bytes) -> None:
 
 
 def test_readers_survive_the_saved_fuzz_corpus(fuzzer: Fuzzer) -> None:
-    record = guided.read(guided.KEPT)
+    record = guided.read(guided.CORPUS)
     assert record
     for item in record:
         fuzzer.survives(guided.task_of(item), item[1:])

@@ -18,14 +18,14 @@ from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.text import header
 from dashpot.reading.text.dialect import Dialect
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 
 
 def is_the_truth(path: Path) -> tuple[str, ...]:
     """Check the numbers; return the notes."""
     test = read_relaxation(path)
     np.testing.assert_allclose(test.time, TIME, atol=1e-9)
-    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, atol=1e-9)
+    np.testing.assert_allclose(test.displacement, DISPLACEMENT * 1e-3, atol=1e-9)
     np.testing.assert_allclose(test.force, FORCE, atol=1e-9)
     assert not inspect_file(path).questions
     return test.source.notes
@@ -67,7 +67,7 @@ def test_each_signal_has_its_clock(tmp_path: Path, unit: str, factor: float) -> 
     path.write_text(pairs(clock * factor, np.clip(clock - 0.5, 0, 1) * 8, unit))
     test = read_relaxation(path)
     np.testing.assert_allclose(test.time, TIME, atol=1e-9)
-    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, atol=1e-6)
+    np.testing.assert_allclose(test.displacement, DISPLACEMENT * 1e-3, atol=1e-6)
     np.testing.assert_allclose(test.force, FORCE, atol=1e-9)
     assert "clocks of their own: 60 of 241 rows" in " ".join(test.source.notes)
     assert not inspect_file(path).questions
@@ -91,14 +91,14 @@ def test_clocks_that_cannot_be_joined_are_refused(
     tmp_path: Path, clock: np.ndarray, words: str
 ) -> None:
     path = tmp_path / "pairs.csv"
-    path.write_text(pairs(clock, MOVED))
+    path.write_text(pairs(clock, DISPLACEMENT))
     with pytest.raises(ReadError, match=words):
         read_relaxation(path)
 
 
 def test_column_pairs_with_a_shared_clock_are_one_record(tmp_path: Path) -> None:
     path = tmp_path / "pairs.csv"
-    path.write_text(pairs(TIME, MOVED))
+    path.write_text(pairs(TIME, DISPLACEMENT))
     assert is_the_truth(path) == ()
 
 

@@ -15,7 +15,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.formats import tdms
 from dashpot.reading.columns import kind_detection, role_assignment, vocabulary
 from dashpot.reading.columns.kind_detection import detect_table_kind
-from dashpot.reading.columns.role_assignment import assign, score, score_columns
+from dashpot.reading.columns.role_assignment import assign_role, score, score_columns
 from dashpot.reading.columns.vocabulary import (
     FIRST,
     SECOND,
@@ -213,7 +213,7 @@ def test_assign_asks_about_many_columns_before_loading(copies: int, *, requested
         return make_loader(np.tile(np.linspace(20, 21, 8)[:, None], (1, copies + 3)))(indexes)
 
     table = FileTable("made", same.columns, load)
-    answer = role_assignment.assign(table, "temperature", ReadOptions())
+    answer = role_assignment.assign_role(table, "temperature", ReadOptions())
     assert isinstance(answer, role_assignment.Question) is requested
     assert len(loaded) == (0 if requested else 2 + copies)
 
@@ -341,7 +341,7 @@ def test_assign_asks_once_about_columns_that_differ_by_a_number(
         "_is_mislabelled",
         lambda item, role: verdicts.append(item.name) or inner(item, role),
     )
-    question = role_assignment.assign(wide(5000), "frequency", ReadOptions())
+    question = role_assignment.assign_role(wide(5000), "frequency", ReadOptions())
     assert isinstance(question, role_assignment.Question)
     assert len(verdicts) <= 14
 
@@ -357,6 +357,8 @@ def test_many_alike_columns_are_compared_two_by_two(forces: int, loads: list[int
         return make_loader(values)(indexes)
 
     columns = tuple(Column(f"force {i}", "N") for i in range(forces))
-    answer = assign(FileTable(format="MDF", columns=columns, load=load), "force", ReadOptions())
+    answer = assign_role(
+        FileTable(format="MDF", columns=columns, load=load), "force", ReadOptions()
+    )
     assert isinstance(answer, Question)
     assert counts == loads

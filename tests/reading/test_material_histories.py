@@ -41,10 +41,10 @@ def test_recognise_and_read_every_history(tmp_path: Path, history: History) -> N
     path = history.write(tmp_path)
     if history.kind:
         assert recognise(path).kind == history.kind
-    if history.asked:
+    if history.question:
         with pytest.raises(ReadError) as caught:
             read_record(path)
-        assert history.asked in str(caught.value)
+        assert history.question in str(caught.value)
     else:
         assert not inspect_file(path).questions
     assert_holds(read_record(path, **history.answer), history)

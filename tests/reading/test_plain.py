@@ -101,7 +101,7 @@ def outcome(
         return (str(error),)
     # whatever the sign of what is no number
     values = np.where(np.isnan(got.values), np.nan, got.values)
-    return (values.shape, values.tobytes(), got.lines, got.notes, got.starts, got.doubts)
+    return (values.shape, values.tobytes(), got.lines, got.notes, got.starts, got.questions)
 
 
 COMMA = Dialect(",", ".", ("number",) * 3, cells=3)

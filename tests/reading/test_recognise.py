@@ -318,9 +318,9 @@ def test_a_file_that_was_written_to_is_read_as_it_is(tmp_path: Path) -> None:
 
 
 def test_recognise_caches_few_files(tmp_path: Path) -> None:
-    for number in range(channels._MAX_KEPT + 3):
+    for number in range(channels._MAX_OPEN_FILES + 3):
         recognise(write_content(tmp_path, format_both_moduli(), f"{number}.csv"))
-    assert len(channels._LEFT_OPEN) == channels._MAX_KEPT
+    assert len(channels._OPEN_FILES) == channels._MAX_OPEN_FILES
 
 
 @pytest.mark.parametrize(("unit", "force"), [("lb", "lbf"), ("kg", "kgf"), ("lbs", "lbf")])

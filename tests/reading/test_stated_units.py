@@ -22,8 +22,8 @@ from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 from dashpot.reading.table import Column
 
-TIME, MOVED, FORCE = press_and_hold(20.0)
-ARRAYS = (TIME, MOVED, FORCE)
+TIME, DISPLACEMENT, FORCE = press_and_hold(20.0)
+ARRAYS = (TIME, DISPLACEMENT, FORCE)
 Named: TypeAlias = Sequence[tuple[str, str]]
 
 

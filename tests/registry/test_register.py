@@ -63,7 +63,7 @@ from dashpot.workflow.inspections import inspect_files
 from dashpot.workflow.json_archive import from_json, schemas, to_json
 
 ROWS = [pytest.param(kind, id=kind.name) for kind in KINDS.values()]
-SAID = {"rod"}
+WITHOUT_FIT = {"rod"}
 """Kinds that a file is said to be, and not recognised as."""
 NO_EXAMPLE = {
     "master-curve",
@@ -75,7 +75,7 @@ NO_EXAMPLE = {
     "plug-in",
     "blank",
 }
-OWN_ROWS = {
+EXTRA_ROWS = {
     "cld": LotSpecimen(ReadOptions()),
     "indentation": LotSpecimen(ReadOptions(), mass=5e-3, radius=5e-3),
     "csr": LotSpecimen(ReadOptions()),
@@ -139,7 +139,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_recognised_kind_is_registered() -> None:
     assert set(KINDS_OF_FILE) == set(get_args(FileKind)) - {"not-a-test", "unclear"}
-    assert set(KINDS) - SAID == set(KINDS_OF_FILE)
+    assert set(KINDS) - WITHOUT_FIT == set(KINDS_OF_FILE)
 
 
 @pytest.mark.parametrize("kind", ROWS)
@@ -162,7 +162,7 @@ def test_commands_named_by_a_kind_exist(kind: KindOfTest) -> None:
     message = KINDS_OF_FILE[kind.name].usage if kind.name in KINDS_OF_FILE else ""
     matches = re.findall(r"dashpot ([a-z]+)", f"{message} {kind.lot_hint}")
     assert set(matches) <= set(COMMANDS)
-    assert matches or not kind.fit_route or kind.name in SAID
+    assert matches or not kind.fit_route or kind.name in WITHOUT_FIT
     assert bool(kind.fit_route) == bool(kind.fit)
 
 
@@ -184,9 +184,9 @@ def test_every_kind_that_is_fitted_has_an_example() -> None:
     assert without == NO_EXAMPLE, "name its `examples` in its row"
 
 
-@pytest.mark.parametrize("name", OWN_ROWS)
+@pytest.mark.parametrize("name", EXTRA_ROWS)
 def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
-    kind, piece = KINDS[name], OWN_ROWS[name]
+    kind, piece = KINDS[name], EXTRA_ROWS[name]
     file = next(file for file, item in FILES.items() if item.kind == name)
     result, numbers = load_object(kind.lot_row)(folder / file, piece)
     assert set(kind.columns) <= set(numbers)
@@ -196,7 +196,7 @@ def test_batch_row_of_a_kind_fills_its_columns(folder: Path, name: str) -> None:
 
 
 def test_every_kind_with_a_batch_row_is_tested() -> None:
-    assert {kind.name for kind in KINDS.values() if kind.lot_row} == set(OWN_ROWS)
+    assert {kind.name for kind in KINDS.values() if kind.lot_row} == set(EXTRA_ROWS)
 
 
 READ = {

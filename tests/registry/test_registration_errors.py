@@ -46,9 +46,9 @@ def test_registry_names_file_and_line_of_a_broken_registration(
 ) -> None:
     path = write_extension(tmp_path, text)
     monkeypatch.setattr(dashpot.extensions, "__path__", [str(tmp_path)])
-    with pytest.raises(DashpotError) as told:
+    with pytest.raises(DashpotError) as answer:
         list(_read_rows())
-    message = str(told.value)
+    message = str(answer.value)
     assert message.startswith(f"{path}{line}the rows of this extension cannot be read: ")
     assert found in message
     assert "Correct the file" in message

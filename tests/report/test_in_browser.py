@@ -72,10 +72,10 @@ def test_a_phone_shows_all_of_it_in_letters_that_can_be_read(browser, which, req
         };
     """
     text = request.getfixturevalue(which)
-    found = probe(browser, text, script, width=390, height=844)
-    assert found["wide"] <= 390
-    assert found["least"] >= 12
-    assert found["figures"] > 0
+    result = probe(browser, text, script, width=390, height=844)
+    assert result["wide"] <= 390
+    assert result["least"] >= 12
+    assert result["figures"] > 0
 
 
 @pytest.mark.parametrize("which", ["page", "bench"])
@@ -99,17 +99,17 @@ COLOURS = """
 
 @pytest.mark.parametrize(("theme", "scheme"), [(1, "dark"), (0, "light")])
 def test_page_and_figures_follow_the_theme_that_the_reader_prefers(browser, page, theme, scheme):
-    found = probe(browser, page, COLOURS, width=1366, height=768, color_scheme=scheme)
+    result = probe(browser, page, COLOURS, width=1366, height=768, color_scheme=scheme)
     expected = [style.COLOURS[name][theme] for name in ("panel", "ink", "measured")]
-    numbers = [[int(n) for n in re.findall(r"\d+", colour)] for colour in found]
+    numbers = [[int(n) for n in re.findall(r"\d+", colour)] for colour in result]
     assert numbers == [[int(c[i : i + 2], 16) for i in (1, 3, 5)] for c in expected]
 
 
 def test_the_policy_lets_the_page_work_and_nothing_complains(browser, tmp_path, page):
     context = browser.new_context()
-    window, said = context.new_page(), []
-    window.on("console", lambda message: said.append(message.text))
-    window.on("pageerror", lambda error: said.append(str(error)))
+    window, stated = context.new_page(), []
+    window.on("console", lambda message: stated.append(message.text))
+    window.on("pageerror", lambda error: stated.append(str(error)))
 
     def read_off(text):
         """How many places to read a figure off the script has made."""
@@ -118,10 +118,10 @@ def test_the_policy_lets_the_page_work_and_nothing_complains(browser, tmp_path, 
         return window.locator(".read").count()
 
     assert read_off(page) > 0
-    assert said == []
+    assert stated == []
     # another script does nothing
     assert read_off(page.replace("export class Figure", "export  class Figure", 1)) == 0
-    assert "Content Security Policy" in " ".join(said)
+    assert "Content Security Policy" in " ".join(stated)
     context.close()
 
 
@@ -157,27 +157,30 @@ READ = """
 
 
 def test_the_frf_is_zoomed_and_read_off_by_pointer_and_keyboard(browser, page):
-    found = probe(browser, page, READ, width=1366, height=768)
-    _, low, high = found["axis"].split()
+    result = probe(browser, page, READ, width=1366, height=768)
+    _, low, high = result["axis"].split()
     low, high = float(low), float(high)
-    for said, part in zip(found["said"], (0.25, 0.0, 0.05), strict=True):
+    for message, part in zip(result["said"], (0.25, 0.0, 0.05), strict=True):
         f = low * (high / low) ** part
-        match = re.match(r"frequency ([\d.]+) Hz; accelerance, 1/kg: (.*)", said)
+        match = re.match(r"frequency ([\d.]+) Hz; accelerance, 1/kg: (.*)", message)
         assert float(match[1]) == pytest.approx(f, rel=2e-3)
         values = dict(re.findall(r"(measured|joint model) ([\d.]+)", match[2]))
         measured = np.interp(f, S.measured.frequency, np.abs(S.measured.value))
         assert float(values["measured"]) == pytest.approx(measured, rel=0.02)
         limits = re.search(r"bounds over all spectra ([\d.]+) to ([\d.]+)", match[2])
         assert float(limits[1]) < float(limits[2])
-    whole, dragged, back, nearer, again = found["views"]
+    whole, dragged, back, nearer, again = result["views"]
     _, y0, wide, tall = map(float, whole.split())
-    left, top, part, height = map(float, dragged.split())
+    remaining, top, part, height = map(float, dragged.split())
     # a flat drag zooms the frequency alone
-    assert (left, part) == (pytest.approx(0.2 * wide, abs=30), pytest.approx(0.4 * wide, abs=30))
+    assert (remaining, part) == (
+        pytest.approx(0.2 * wide, abs=30),
+        pytest.approx(0.4 * wide, abs=30),
+    )
     assert (top, height) == (y0, tall)
-    assert [float(tick) for tick in found["ticks"]] == sorted(float(t) for t in found["ticks"])
-    assert len(found["ticks"]) >= 3
-    assert low < float(found["ticks"][0]) < float(found["ticks"][-1]) < high
+    assert [float(tick) for tick in result["ticks"]] == sorted(float(t) for t in result["ticks"])
+    assert len(result["ticks"]) >= 3
+    assert low < float(result["ticks"][0]) < float(result["ticks"][-1]) < high
     assert float(nearer.split()[2]) == pytest.approx(wide / 2, rel=0.01)
     assert whole == back == again
 
@@ -189,13 +192,13 @@ def sheets(browser, page: str) -> list[str]:
     window.set_content(page, wait_until="load")
     printed = PdfReader(BytesIO(window.pdf(prefer_css_page_size=True)))
     context.close()
-    return [re.sub(r"\s+", " ", one.extract_text()) for one in printed.pages]
+    return [re.sub(r"\s+", " ", item.extract_text()) for item in printed.pages]
 
 
 def test_the_first_sheet_is_a_certificate_however_many_checks_failed(browser):
     """Verdict, numbers, the gravest checks and the signatures; the story begins on the next."""
-    said = " ".join(["the storage stiffness of the seal is off"] * 5)
-    every = tuple(Check(f"no_{i}", False, f"{i} {said}") for i in range(8))
+    message = " ".join(["the storage stiffness of the seal is off"] * 5)
+    every = tuple(Check(f"no_{i}", False, f"{i} {message}") for i in range(8))
     who = replace(S.prepared.specimen, name="Door seal 4711-B", lot="L24-117", operator="J. Ruiz")
     study = replace(S, joint=replace_fields(S.joint, checks=every),
                     prepared=replace(S.prepared, specimen=who))  # fmt: skip

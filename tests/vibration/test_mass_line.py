@@ -21,7 +21,7 @@ def test_noise_of_the_acceleration_does_not_bias_the_mass(noise: float, delay: f
     exact = predict_frf(2 * SEAL, mass=MASS, frequency=LINES).value
     exact = exact * np.exp(-2j * np.pi * LINES * delay)
     sd = np.full(len(LINES), noise / MASS / np.sqrt(2))
-    found = []
+    result = []
     for seed in range(20):
         draw = np.random.default_rng(seed).standard_normal((2, len(LINES)))
         measured = exact + sd * (draw[0] + 1j * draw[1])
@@ -29,8 +29,8 @@ def test_noise_of_the_acceleration_does_not_bias_the_mass(noise: float, delay: f
             LINES, measured, natural_frequency=NATURAL_FREQUENCY, sd=sd
         )
         assert apparent is not None
-        found.append(apparent)
-    mass, se = np.array(found).T
+        result.append(apparent)
+    mass, se = np.array(result).T
     # what the arms do above the resonance is half a per cent
     assert abs(mass.mean() / MASS - 1) < 0.006 + 3 * se.mean() / MASS / np.sqrt(20)
     assert 0.6 < mass.std() / se.mean() < 1.5

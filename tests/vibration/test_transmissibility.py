@@ -464,23 +464,23 @@ def limits_near(f, joint, on):
 class TestErrorsOfTheRatio:
     """What an error of T does to the stiffness: |dK/K| = |e| / |T - 1|."""
 
-    KNOWN = over_base("paper", np.array([5.0, 12.71, 50.0]))
+    KNOWN_FRF = over_base("paper", np.array([5.0, 12.71, 50.0]))
     PHASE = np.pi / 180
 
-    def off(self, turned, expected=KNOWN):
+    def off(self, turned, expected=KNOWN_FRF):
         """Relative error of the stiffness, of values off by a factor each."""
         wrong = replace(expected, value=expected.value * turned).to("receptance", mass=PAPER_MASS)
         K = 1 / wrong.value + PAPER_MASS * wrong.omega**2
         return np.abs(K / (2 * PAPER.complex_stiffness(omega=wrong.omega)) - 1)
 
     def test_of_an_absolute_and_of_a_relative_sensor(self):
-        e, T = 1e-4, self.KNOWN.value
+        e, T = 1e-4, self.KNOWN_FRF.value
         assert self.off(np.exp(1j * e)) == pytest.approx(e / np.abs(T - 1), rel=1e-3)
         assert self.off(1 + e) == pytest.approx(e / np.abs(T - 1), rel=1e-3)
         # one degree, by size: 9.5 % and 1.6 %; of the motion relative to the base 1.5 % and 25 %
         assert self.PHASE / np.abs(T - 1)[[0, 2]] == pytest.approx([0.095, 0.0163], rel=0.01)
         assert self.PHASE / np.abs(T)[[0, 2]] == pytest.approx([0.0148, 0.253], rel=0.01)
-        relative = replace(self.KNOWN, value=1 + (T - 1) * np.exp(1j * e))
+        relative = replace(self.KNOWN_FRF, value=1 + (T - 1) * np.exp(1j * e))
         assert self.off(1.0, relative) == pytest.approx(e / np.abs(T), rel=1e-3)
 
     def test_by_chance(self):
@@ -502,8 +502,9 @@ class TestErrorsOfTheRatio:
         assert (gain < 0.0101).all()
 
     def test_a_mass_off_is_as_much_stiffness(self):
-        K = self.KNOWN.to("dynamic_stiffness", mass=1.01 * PAPER_MASS)
+        K = self.KNOWN_FRF.to("dynamic_stiffness", mass=1.01 * PAPER_MASS)
         K = K.value + 1.01 * PAPER_MASS * K.omega**2
         assert (
-            pytest.approx(1.01 * 2 * PAPER.complex_stiffness(omega=self.KNOWN.omega), rel=1e-9) == K
+            pytest.approx(1.01 * 2 * PAPER.complex_stiffness(omega=self.KNOWN_FRF.omega), rel=1e-9)
+            == K
         )

@@ -183,7 +183,7 @@ def foreign(tmp_path_factory):
     return path
 
 
-SAID = ReadOptions(units={"real": "(m/s^2)/N", "imaginary": "(m/s^2)/N"})
+FRF_UNITS = ReadOptions(units={"real": "(m/s^2)/N", "imaginary": "(m/s^2)/N"})
 
 
 def test_what_the_user_says_of_an_frf_is_heeded(foreign):
@@ -192,7 +192,11 @@ def test_what_the_user_says_of_an_frf_is_heeded(foreign):
             a_fit(PAPER), [foreign], BlockOnSeals(), hammer=HammerChoices(), options=ReadOptions()
         )
     frf_comparison = compare_files(
-        a_fit(PAPER), [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID
+        a_fit(PAPER),
+        [foreign],
+        BlockOnSeals(0.104, 2),
+        hammer=HammerChoices(),
+        options=FRF_UNITS,
     )
     assert frf_comparison.comparison.measured_hz == pytest.approx(12.71, abs=0.02)
 
@@ -203,7 +207,7 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
         [foreign],
         BlockOnSeals(seals=2),
         hammer=HammerChoices(),
-        options=SAID,
+        options=FRF_UNITS,
         band=(8, 40),
     )
     assert frf_comparison.mass == pytest.approx(0.104, rel=1e-2)
@@ -211,7 +215,11 @@ def test_the_coherence_of_a_file_is_used_and_checked_in_the_band(foreign):
     assert coherence.passed
     assert "(12.6 Hz)" in coherence.message
     frf_comparison = identify_files(
-        [foreign], BlockOnSeals(0.104, 2), hammer=HammerChoices(), options=SAID, band=(8, 40)
+        [foreign],
+        BlockOnSeals(0.104, 2),
+        hammer=HammerChoices(),
+        options=FRF_UNITS,
+        band=(8, 40),
     )
     fit, straight, noted = (
         frf_comparison.fit,

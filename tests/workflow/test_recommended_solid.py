@@ -17,7 +17,7 @@ from dashpot.vibration.mass_on_seals import model_modes
 from dashpot.workflow.recommended_solid import recommend_solid
 
 S = handmade.study()
-ALONE = replace(S, joint=None, joint_prediction=None, joint_comparison=None)
+NO_JOINT = replace(S, joint=None, joint_prediction=None, joint_comparison=None)
 STOP = Check("force_residual_small", False, "The model misses the force.", grade="stop")
 
 
@@ -32,7 +32,7 @@ def test_the_joint_solid_is_recommended_where_the_verdict_allows_it():
 
 
 def test_without_a_joint_fit_it_is_that_of_the_relaxation_test():
-    intact = replace(ALONE, comparison=None, measured=None)
+    intact = replace(NO_JOINT, comparison=None, measured=None)
     recommendation = recommend_solid(intact)
     assert (recommendation.recommended, recommendation.joint) == (True, False)
     assert recommendation.solid is S.fit
@@ -82,7 +82,7 @@ def test_the_height_of_the_peak_is_that_of_the_solid_and_goes_against_the_dampin
     )
 
 
-@pytest.mark.parametrize("study", [S, ALONE], ids=["joint", "relaxation"])
+@pytest.mark.parametrize("study", [S, NO_JOINT], ids=["joint", "relaxation"])
 def test_every_value_lies_between_its_ends(study):
     recommendation = recommend_solid(study)
     for quantity in (*recommendation.mass_values, *recommendation.seal_values):
@@ -91,7 +91,7 @@ def test_every_value_lies_between_its_ends(study):
 
 def test_recommendation_bounds_contain_unresolved_arms():
     """The broad seal's fast arms are out of its reach: the bound knows, an interval does not."""
-    recommendation = recommend_solid(ALONE)
+    recommendation = recommend_solid(NO_JOINT)
     (truth,) = model_modes(2 * BROAD, BROAD_MASS)
     under = index_by_name(recommendation.mass_values)
     seal = index_by_name(recommendation.seal_values)
@@ -109,7 +109,7 @@ def test_recommendation_bounds_contain_unresolved_arms():
 
 def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
     end = EndOfHold(40.0, (190.0, 210.0), (180.0, 210.0), (0.0, 211.0), 1.0)
-    expected = replace(ALONE, fit=replace_fields(S.fit, end_of_hold=end))
+    expected = replace(NO_JOINT, fit=replace_fields(S.fit, end_of_hold=end))
     quantity = index_by_name(recommend_solid(expected).seal_values)["end of hold"]
     assert quantity.value == pytest.approx(S.fit.model.relaxation(40.0))
     assert (quantity.low, quantity.high, quantity.at, quantity.is_limit) == (
@@ -118,12 +118,12 @@ def test_the_stiffness_at_the_end_of_the_hold_is_that_of_the_test():
         40.0,
         True,
     )
-    assert "end of hold" not in index_by_name(recommend_solid(ALONE).seal_values)
+    assert "end of hold" not in index_by_name(recommend_solid(NO_JOINT).seal_values)
 
 
 def test_a_peak_that_nothing_limits_has_no_upper_end():
     open_ended = replace(S.frf_band, peak_frequency=(12.0, math.inf))
-    frequency = index_by_name(recommend_solid(replace(ALONE, frf_band=open_ended)).mass_values)[
+    frequency = index_by_name(recommend_solid(replace(NO_JOINT, frf_band=open_ended)).mass_values)[
         "frequency"
     ]
     assert (frequency.low, frequency.high) == (12.0, math.inf)

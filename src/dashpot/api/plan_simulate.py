@@ -71,7 +71,7 @@ def plan(
     >>> planned.expected.loss_factor_sd > 0.1
     True
     """
-    from dashpot.planning.assumed_seal import SupposedSeal
+    from dashpot.planning.assumed_seal import AssumedSeal
     from dashpot.planning.plan import plan as compute_plan
     from dashpot.planning.plan_options import HammerPlan
     from dashpot.planning.planned_ramp_hold import Bench
@@ -90,7 +90,7 @@ def plan(
     return compute_plan(
         bench,
         at=frequency,
-        seal=SupposedSeal(model=solid.maxwell, law=law),
+        seal=AssumedSeal(model=solid.maxwell, law=law),
         hammer=HammerPlan(mass=convert_to_si(mass, "mass"), seals=seals, hits=hits),
         cold=[convert_to_si(item, "temperature") for item in cold],
         target_sd=max_std,

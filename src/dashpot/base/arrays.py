@@ -145,6 +145,17 @@ def convert_numbers_to_si(
     )
 
 
+def to_complex(values: npt.ArrayLike) -> ComplexArray:
+    """Return numbers as a complex array.
+
+    Raises
+    ------
+    TypeError
+        If they are no numbers; NumPy would also read a text.
+    """
+    return np.asarray(values).astype(complex, casting="same_kind", copy=False)
+
+
 def validate_complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:
     """Return `values` as a read-only complex array of shape (n,), every sample finite."""
     return _validate_array(name, values, np.dtype(np.complex128), 1)
@@ -171,7 +182,7 @@ def validate_measured(name: str, values: npt.ArrayLike, *, minimum: int = 1) -> 
     return array
 
 
-def hold_measured(result: object, *names: str, minimum: int = 1) -> None:
+def validate_measured_fields(result: object, *names: str, minimum: int = 1) -> None:
     """Set fields of a frozen value to :func:`validate_measured` arrays of one length, except None.
 
     A ``time`` among them must increase.

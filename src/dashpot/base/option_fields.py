@@ -34,7 +34,7 @@ FrfKind: TypeAlias = Literal["receptance", "mobility", "accelerance", "dynamic_s
 Driver: TypeAlias = Literal["simulated", "serial", "replay"]
 Rehearsed: TypeAlias = Literal["relaxation", "creep", "impact", "motion"]
 
-Drawn: TypeAlias = Literal["pdf", "png", "svg"]
+FigureFormat: TypeAlias = Literal["pdf", "png", "svg"]
 FigureSize: TypeAlias = Literal["column", "slide"]
 
 

@@ -86,10 +86,10 @@ def write_figure(path: str, figure: dp.plot.Picture) -> None:
 
 
 def open_written(paths: Sequence[str]) -> None:
-    """Open the last page or picture that was written, or say why not."""
+    """Open the last page or figure that was written, or say why not."""
     pages = [path for path in paths if Path(path).suffix.lower() in _VISUAL_SUFFIXES]
     if not pages:
-        to_stderr("nothing to open: name a page (-o page.html) or a picture (--plot fit.png)")
+        to_stderr("nothing to open: name a page (-o page.html) or a figure (--plot fit.png)")
     elif click.launch(pages[-1]):
         to_stderr(f"{pages[-1]} could not be opened: no program for it was found")
 

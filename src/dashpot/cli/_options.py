@@ -151,7 +151,7 @@ def result_options(
             )
         )
     if has_open_option:
-        options.append(opt("--open", "opens", help="Open the page or picture written."))
+        options.append(opt("--open", "opens", help="Open the page or figure written."))
     options.append(opt("--overwrite", help="Replace a file that dashpot did not write."))
     if has_checks:
         options += [

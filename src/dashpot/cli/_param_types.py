@@ -14,7 +14,12 @@ import click
 
 from dashpot.base.errors import DashpotError
 from dashpot.base.lazy import compile_on_use
-from dashpot.base.option_fields import Drawn, get_choice_values, get_option_key, is_path_field
+from dashpot.base.option_fields import (
+    FigureFormat,
+    get_choice_values,
+    get_option_key,
+    is_path_field,
+)
 from dashpot.base.units import Dimension, parse_quantity, parse_range
 from dashpot.registry import find_handler
 
@@ -183,7 +188,7 @@ class Figure(Output):
     """Path of a figure, refused at once if its suffix is not supported."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        if Path(value).suffix.lower().lstrip(".") not in get_choice_values(Drawn):
+        if Path(value).suffix.lower().lstrip(".") not in get_choice_values(FigureFormat):
             self.fail(f"'{value}': a figure is written as .pdf, .png or .svg", param, ctx)
         return super().convert(value, param, ctx)
 

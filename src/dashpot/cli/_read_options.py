@@ -21,7 +21,7 @@ _ROLE_DIMENSIONS = {
     role: DIMENSION[role]
     for role in ("time", "displacement", "force", "hammer", "acceleration", "velocity", "frequency")
 }
-"""Roles that are measured in one dimension, of a part as of a material."""
+"""Dimension of each role that is the same for tests of parts and of materials."""
 
 
 def merge_profiles(

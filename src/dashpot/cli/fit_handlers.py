@@ -238,7 +238,7 @@ def _format_bench_next_steps(request: FitRequest, fit: dp.Fit) -> str:
             *request.get_option_words(),
             "-o",
             "fit.json",
-            remark="keeps it for predict, compare, export",
+            remark="writes it for predict, compare, export",
         )
     if not request.result_path:
         return ""
@@ -416,8 +416,9 @@ def _format_joint_next_steps(request: FitRequest, fit: dp.Fit) -> str:
             else ""
         )
     option_words = request.get_option_words("stiffness_table")
+    name = "fit.json" if request.select_files(*VIBRATION) == request.files else "joint.json"
     return format_command(
-        "fit", *request.files, *option_words, "-o", "joint.json", remark="keeps it for export"
+        "fit", *request.files, *option_words, "-o", name, remark="writes it for export"
     )
 
 

@@ -66,7 +66,7 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
         _PRIOR_GROUP,
         build_options(PlannedRamp, "noise", argument="bench"),
         opt("--seal", "guess", metavar="NAME|FIT",
-            help="Assumed seal: paper, broad, hidden, or a fit."),
+            help="Demo seal (paper, broad, hidden) or a fit."),
         build_options(HammerPlan, "mass", "seals", argument="hammer"),
         opt("--target-sd", "target_sd", hidden_alias="wanted", type=float, default=10.0,
             metavar="PERCENT", help="Target standard deviation (10)."),
@@ -94,17 +94,17 @@ _TEST_GROUP, _PRIOR_GROUP, _CONTROLLER_GROUP = "Planned test", "Known beforehand
     *call_handler("option groups", "plan", default=()),
     options.result_options(plot=False, has_open_option=False),
 )  # fmt: skip
-def command(**said: Any) -> CommandResult:
+def command(**arguments: Any) -> CommandResult:
     """Plan a ramp and hold, or the test of which an option is typed."""
     test_option = next(
-        (name for name in list_names("plan test") if said[name] is not None), "frequency"
+        (name for name in list_names("plan test") if arguments[name] is not None), "frequency"
     )
     plan = find_handler("plan test", test_option) or _plan_ramp_hold
-    if said[test_option] is None:
+    if arguments[test_option] is None:
         raise click.UsageError("Missing option '--frequency'.")
     return plan(
         **options.select_arguments(
-            plan, said, command, f"does not go with --{test_option.replace('_', '-')}"
+            plan, arguments, command, f"does not go with --{test_option.replace('_', '-')}"
         )
     )
 
@@ -137,7 +137,7 @@ def _plan_ramp_hold(
     plan = workflow.plan(
         planned_bench,
         at=frequency,
-        seal=workflow.SupposedSeal(assumed_seal.solid, arm, temperature, wlf or assumed_seal.law),
+        seal=workflow.AssumedSeal(assumed_seal.solid, arm, temperature, wlf or assumed_seal.law),
         hammer=hammer,
         cold=cold,
         target_sd=target_sd / 100,

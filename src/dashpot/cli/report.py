@@ -251,7 +251,7 @@ def _format_next_command(files: Sequence[str], job: Job, study: Study) -> str:
 
     It repeats every option that decided over that solid; empty if no fit gives it.
     """
-    remark = "keeps the model for export"
+    remark = "writes the model for export"
     if study.joint is not None and study.mass is not None:
         from dashpot.datamodel.fit import get_fewest_arms_model
 

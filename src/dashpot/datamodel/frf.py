@@ -50,6 +50,11 @@ class Kind(StrEnum):
         require_choice("the kind of an FRF", value, cls)
 
     @property
+    def label(self) -> str:
+        """Name of the kind in a sentence, such as "dynamic stiffness"."""
+        return self.value.replace("_", " ")
+
+    @property
     def over_base(self) -> bool:
         """Whether it is of a mass over a base that moves, not of a force on it."""
         return self in _OVER_BASE
@@ -239,13 +244,13 @@ class FRF(EqualByValue, Plottable, Serialisable):
         ratio = load_function("reading.columns.header_units", "parse_response_unit")(of_value)
         if ratio is None or ratio.order or ratio.kind.over_base != Kind(self.quantity).over_base:
             raise DataError(
-                f"FRF: '{of_value}' is no unit of {Kind(self.quantity).value}. Write for example "
+                f"FRF: '{of_value}' is no unit of {Kind(self.quantity).label}. Write for example "
                 f'units="{example}"'
             )
         if ratio.kind != self.quantity and not ratio.kind.over_base:
             raise DataError(
-                f"FRF: '{of_value}' is a unit of {ratio.kind.value}, and the quantity is "
-                f'{Kind(self.quantity).value}. Add quantity="{ratio.kind.value}", or write for '
+                f"FRF: '{of_value}' is a unit of {ratio.kind.label}, and the quantity is "
+                f'{Kind(self.quantity).label}. Add quantity="{ratio.kind.value}", or write for '
                 f'example units="{example}"'
             )
         convert_field_to_si(self, "frequency", parse_unit(hertz, "frequency"))
@@ -286,7 +291,7 @@ class FRF(EqualByValue, Plottable, Serialisable):
         files = ", ".join(source.file for source in self.source)
         return (
             (
-                f"{self.quantity}, {self.unit}, {len(self.value)} lines, "
+                f"{self.quantity.label}, {self.unit}, {len(self.value)} lines, "
                 f"{self.frequency[0]:.6g} to {self.frequency[-1]:.6g} Hz, "
                 f"{text}{f', {files}' if files else ''}"
             ),

@@ -12,11 +12,11 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_cosine_sequence,
     make_readonly_copy,
     make_units_field,
     median,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -85,7 +85,7 @@ class RelaxationTest(EqualByValue, HasSummary, Serialisable):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, time="time", displacement="length", force="force")
-        hold_measured(self, "time", "displacement", "force", minimum=8)
+        validate_measured_fields(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
 
     def prepare(
@@ -257,7 +257,7 @@ class RampHold(EqualByValue, Plottable, Serialisable):
     plate: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        hold_measured(
+        validate_measured_fields(
             self, "time", "displacement", "force", "machine_deflection", "plate", minimum=8
         )
         if not self.onset < self.ramp_end < self.hold_end:
@@ -548,7 +548,7 @@ class Trajectory(EqualByValue):
     source: Source | None = None
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "displacement", minimum=2)
+        validate_measured_fields(self, "time", "displacement", minimum=2)
         if self.position is not None:
             if self.position.shape != (len(self.time), 3):
                 raise DataError(

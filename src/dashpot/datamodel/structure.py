@@ -57,8 +57,8 @@ class FRFSet(EqualByValue):
         for name, frf in zip(names, self.frfs, strict=True):
             if frf.quantity.over_base != first_frf.quantity.over_base:
                 raise DataError(
-                    f"the quantity of '{name}' is {frf.quantity}, that of '{names[0]}' "
-                    f"{first_frf.quantity}; expected "
+                    f"the quantity of '{name}' is {frf.quantity.label}, that of '{names[0]}' "
+                    f"{first_frf.quantity.label}; expected "
                     "motions over that of a base, or motions per force, at every point (Python: "
                     "frf.to('accelerance', mass=m))"
                 )

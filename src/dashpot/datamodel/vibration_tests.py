@@ -13,12 +13,12 @@ from dashpot.base.arrays import (
     FloatArray,
     compute_run_numbers,
     convert_arrays_to_si,
-    hold_measured,
     make_readonly_copy,
     make_units_field,
     require_same_length,
     slices,
     validate_measured,
+    validate_measured_fields,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
@@ -66,7 +66,7 @@ class ShakenTest(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate, unit=" Hz", expected="a sampling rate > 0")
-        hold_measured(self, "base", "mass", minimum=8)
+        validate_measured_fields(self, "base", "mass", minimum=8)
         if self.order not in (0, 1, 2):
             raise DataError(f"order = {self.order!r}; expected 0, 1 or 2")
 

@@ -57,8 +57,8 @@ from dashpot.numerics.inference.correlated_noise import (
 )
 from dashpot.numerics.inference.model_order import (
     DECISIVE_BIC,
+    ArmShortage,
     OrderChoice,
-    Shortage,
     bic_of_deviance,
     is_significant_fall,
     select_model_order,
@@ -251,7 +251,7 @@ class SelectedModel:
         return compute_certificate(self.data.rows, self.solution)
 
     @cached_property
-    def shortage(self) -> Shortage | None:
+    def shortage(self) -> ArmShortage | None:
         """The arms that the rules take, where fewer were requested; None if these are enough.
 
         Of a number that the rules chose the same, where it is the most that they tried and the
@@ -274,7 +274,9 @@ class SelectedModel:
         supported = larger_selection.solution.order
         if supported <= solution.order:
             return None
-        return Shortage(solution.order, supported, self.estimate.rms, larger_selection.estimate.rms)
+        return ArmShortage(
+            solution.order, supported, self.estimate.rms, larger_selection.estimate.rms
+        )
 
     @property
     def _is_wider_than_tried(self) -> bool:

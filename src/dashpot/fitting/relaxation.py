@@ -499,7 +499,7 @@ def _build_linear_fit(
 
 def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: int | None) -> Fit:
     """Return the fit hold first, with the elastic law that the ramps support."""
-    from dashpot.fitting.nonlinear_ramp.elastic_law import supported_by_holds
+    from dashpot.fitting.nonlinear_ramp.elastic_law import find_arm_shortage
     from dashpot.fitting.nonlinear_ramp.fit_construction import build_ramp_data, build_ramp_fit
     from dashpot.fitting.nonlinear_ramp.hold_then_ramp import MAX_ARMS
 
@@ -510,7 +510,7 @@ def _fit_hold_then_ramp(records: Sequence[RampHold], ramp_law: RampLaw, arms: in
     sensitivity = compute_rig_sensitivity(data, ramp_law.model)
     arm_checks: tuple[Check, ...] = ()
     if arms is not None or len(ramp_law.hold.log_tau) >= MAX_ARMS:
-        supported = supported_by_holds(records, ramp_law.hold)
+        supported = find_arm_shortage(records, ramp_law.hold)
         arm_checks = (arms_enough(supported, ramp_law.model.arms, unit="N"),)
     return build_ramp_fit(
         records,

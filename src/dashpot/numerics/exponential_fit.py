@@ -691,20 +691,20 @@ def certificate(blocks: Sequence[DataBlock], solution: Solution) -> OptimalityCe
     for round_ in range(CERTIFICATE_ROUNDS):
         log_tau = np.concatenate((solution.log_tau, grid))
         is_support = np.append(np.ones(solution.order, bool), np.isin(grid, support))
-        offered = Grid(stack, log_tau=log_tau, is_free=is_free, likely_positive=is_support)
+        support_grid = Grid(stack, log_tau=log_tau, is_free=is_free, likely_positive=is_support)
         if round_ == 0:
-            length = offered.length.reshape(groups, -1)[:, : solution.order]
+            length = support_grid.length.reshape(groups, -1)[:, : solution.order]
             values = np.zeros((groups, len(log_tau)))
             values[:, : solution.order] = solution.arms * np.where(np.isfinite(length), length, 0.0)
-            residual = offered.aim - offered.columns @ values.ravel()
+            residual = support_grid.aim - support_grid.columns @ values.ravel()
             remainder = float(residual @ residual)
-            group_gradient = (offered.columns.T @ residual).reshape(groups, -1).max(axis=0)
+            group_gradient = (support_grid.columns.T @ residual).reshape(groups, -1).max(axis=0)
             dual_gradient, best_log_tau = (
                 float(group_gradient.max()),
                 float(log_tau[np.argmax(group_gradient)]),
             )
-        best_sse = min(best_sse, offered.residual_sse)
-        weight = offered.spectrum.sum(axis=0)
+        best_sse = min(best_sse, support_grid.residual_sse)
+        weight = support_grid.spectrum.sum(axis=0)
         support = log_tau[weight > 0]
         grid = _make_refined_grid(support, round_, stack.bounds)
     sse = stack.floor + remainder

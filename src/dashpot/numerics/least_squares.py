@@ -33,12 +33,12 @@ LINEAR_STEP = 1e-6
 #: what then may be left of theta
 THETA_TOLERANCE = 1e-9
 #: what carries less, as a part, has faded: its steps are damped as if it carried that
-FADED_SHARE = 1e-12
+MIN_CURVATURE_SHARE = 1e-12
 #: after a step that was refused none goes farther than this part of it
 STEP_REDUCTION = 0.5
 #: after one, damping falls to this part a step, and not at all where a step gained less than this
 #: part of what it promised
-EASED, GAINED = 0.5, 0.75
+CAUTIOUS_DAMPING_FACTOR, MIN_GAIN_RATIO = 0.5, 0.75
 #: what was learned of the Hessian is dropped where the fall that it foretells is so far off
 MAX_PREDICTION_ERROR = 0.25
 #: a step so little damped promises what there is to gain
@@ -147,9 +147,9 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
     Returns None when it has `is_known_optimum` what is known already, or where the start cannot be
     evaluated.
     """
-    at, low, high, fixed_cost, rounding = objective
+    evaluate, low, high, fixed_cost, rounding = objective
     bounds = low.tolist(), high.tolist()
-    current = at(np.minimum(np.maximum(start, low), high), None)
+    current = evaluate(np.minimum(np.maximum(start, low), high), None)
     if current.sse == np.inf:
         return None
     hessian_correction: FloatArray | None = None
@@ -172,16 +172,16 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
             return LocalOptimum(current, count, True)
         if damping < LINEAR_STEP and has_converged(change, last, expected_fall, sse):
             return LocalOptimum(current.step_ahead(step), count, True)
-        new = at(trial, current)
+        new = evaluate(trial, current)
         if current.sse < new.sse < np.inf and change >= TAIL_CHANGE:
             # along a valley that bends the step ends on its side: from there to its floor
-            floored = at(_compute_trial(new, None, damping, bounds), new)
-            if floored.sse < current.sse:
-                new, step = floored, floored.theta - current.theta
+            valley_trial = evaluate(_compute_trial(new, None, damping, bounds), new)
+            if valley_trial.sse < current.sse:
+                new, step = valley_trial, valley_trial.theta - current.theta
                 change = max(map(abs, step.tolist()))
         if is_step_acceptable(new.sse, current.sse, change, rounding):
             promised = -float(step @ (2 * current.gradient + current.curvature @ step))
-            is_short = is_cautious and current.sse - new.sse < GAINED * promised
+            is_short = is_cautious and current.sse - new.sse < MIN_GAIN_RATIO * promised
             is_reliable = change < TAIL_CHANGE or _is_predicted(
                 hessian_correction, current, new, step
             )
@@ -196,7 +196,7 @@ def descend(  # noqa: C901 -- one loop, whose rules share all that it knows
                 if expected_positive is not None and (current.beta[expected_positive] < 0).any()
                 else 0
             )
-            damping *= (1.0 if is_short else EASED if is_cautious else 0.1) * (
+            damping *= (1.0 if is_short else CAUTIOUS_DAMPING_FACTOR if is_cautious else 0.1) * (
                 change >= TAIL_CHANGE
             )
         elif (change < TAIL_CHANGE and damping == 0.0) or expected_fall <= SSE_TOLERANCE * sse:
@@ -253,7 +253,7 @@ def _compute_trial(
         hessian = curvature + hessian_correction
         if np.linalg.eigvalsh(hessian)[0] > 1e-3 * scale.min():
             curvature = hessian
-    ridge = max(damping, 1e-15) * np.maximum(scale, FADED_SHARE * scale.max(initial=0.0))
+    ridge = max(damping, 1e-15) * np.maximum(scale, MIN_CURVATURE_SHARE * scale.max(initial=0.0))
     if _is_within_bounds(theta, bounds, allow_ends=False) and all(scale.tolist()):
         step = _solve_damped_step(curvature, gradient, ridge)
     else:
@@ -394,7 +394,7 @@ class Problem:
         starts: Sequence[FloatArray] = (),
         *,
         max_steps: int = 100,
-        rough: int = 0,
+        screening_steps: int = 0,
         step_tolerance: float = FINAL_TOLERANCE,
         cost_tolerance: float = 0.0,
     ) -> Optimum | None:
@@ -405,7 +405,7 @@ class Problem:
         starts : sequence of array, shape (p,)
         max_steps : int
             Steps of a descent.
-        rough : int
+        screening_steps : int
             If given, those that are clearly worse after so many steps are not followed.
         step_tolerance : float
             Step, in sizes of a parameter, that ends a descent.
@@ -414,14 +414,14 @@ class Problem:
         """
         if not self.parameters:
             return self.solve_linear(np.zeros(0))
-        optima = self.valleys(
+        optima = self.find_optima(
             starts,
-            max_steps=rough or max_steps,
+            max_steps=screening_steps or max_steps,
             step_tolerance=step_tolerance,
             cost_tolerance=cost_tolerance,
         )
         best = min(optima, key=lambda optimum: optimum.cost, default=None)
-        if best is None or not rough:
+        if best is None or not screening_steps:
             return best
         close_starts = [
             optimum.theta for optimum in optima if optimum.cost <= _WORSE_FACTOR * best.cost
@@ -433,7 +433,7 @@ class Problem:
             cost_tolerance=cost_tolerance,
         )
 
-    def valleys(
+    def find_optima(
         self,
         starts: Sequence[FloatArray],
         *,
@@ -457,11 +457,13 @@ class Problem:
 
         for start in starts:
             if (
-                ended := self._run_descent(
+                local_optimum := self._run_descent(
                     start, is_repeat_optimum, max_steps, step_tolerance, cost_tolerance
                 )
             ) is not None:
-                optima.append(replace(ended.point.optimum, stationary=ended.converged))
+                optima.append(
+                    replace(local_optimum.point.optimum, stationary=local_optimum.converged)
+                )
         return optima
 
     def fix_parameter(self, index: int, value: float) -> Problem:
@@ -483,7 +485,7 @@ class Problem:
         max_steps: int,
         step_tolerance: float,
         cost_tolerance: float,
-    ) -> LocalOptimum[_AtTheta] | None:
+    ) -> LocalOptimum[_ScaledTrial] | None:
         """Return the optimum of a descent from one start, in scaled parameters; None if known."""
         low, high, scale = self.bounds
         low, high = low / scale, high / scale
@@ -501,7 +503,7 @@ class Problem:
             cost_tolerance=cost_tolerance,
         )
 
-    def _evaluate_trial(self, theta: FloatArray, last: _AtTheta | None) -> _AtTheta:
+    def _evaluate_trial(self, theta: FloatArray, last: _ScaledTrial | None) -> _ScaledTrial:
         """The best beta at a scaled theta; infinite SSE where the model is not defined."""
         scale = self.bounds[2]
         likely_positive = None if last is None else last.beta > 0
@@ -511,24 +513,24 @@ class Problem:
                 unscaled if self.gauge is None else self.gauge(unscaled), likely_positive
             )
         except DataError:
-            return _AtTheta(theta, scale, None)
-        return _AtTheta(optimum.theta / scale, scale, optimum)
+            return _ScaledTrial(theta, scale, None)
+        return _ScaledTrial(optimum.theta / scale, scale, optimum)
 
 
-class _AtTheta:
+class _ScaledTrial:
     """An optimum at some theta, in sizes of the parameters, as a descent wants it."""
 
     def __init__(self, theta: FloatArray, scale: FloatArray, optimum: Optimum | None) -> None:
-        self.theta, self.scale, self.found = theta, scale, optimum
+        self.theta, self.scale, self._optimum = theta, scale, optimum
         self.sse = np.inf if optimum is None else optimum.cost
         self.rounding = 0.0 if optimum is None else optimum.rounding_sse
 
     @property
     def optimum(self) -> Optimum:
         """Optimum; it must exist."""
-        if self.found is None:
+        if self._optimum is None:
             raise FitError("the model says nothing of the record there")
-        return self.found
+        return self._optimum
 
     @property
     def beta(self) -> FloatArray:
@@ -542,7 +544,7 @@ class _AtTheta:
     def curvature(self) -> FloatArray:
         return self.optimum.curvature * np.outer(self.scale, self.scale)
 
-    def step_ahead(self, step: FloatArray) -> _AtTheta:
+    def step_ahead(self, step: FloatArray) -> _ScaledTrial:
         """Return the trial a short step away."""
         theta = self.optimum.problem._evaluate_trial(self.theta + step, self)
         return theta if theta.sse <= self.sse * (1 + 1e-8) + self.rounding else self
@@ -675,7 +677,7 @@ def require_optimum(
     starts: Sequence[FloatArray] = (),
     *,
     max_steps: int = 100,
-    rough: int = 0,
+    screening_steps: int = 0,
     step_tolerance: float = FINAL_TOLERANCE,
     cost_tolerance: float = 0.0,
 ) -> Optimum:
@@ -689,7 +691,7 @@ def require_optimum(
     optimum = problem.solve(
         starts,
         max_steps=max_steps,
-        rough=rough,
+        screening_steps=screening_steps,
         step_tolerance=step_tolerance,
         cost_tolerance=cost_tolerance,
     )

@@ -14,13 +14,13 @@ from dashpot.solids.maxwell import GeneralizedMaxwell
 from dashpot.solids.shift_laws import TemperatureLaw
 
 # share of the instantaneous stiffness of an arm that may be undetected in sponge rubber
-USUAL_PART = 0.1
+TYPICAL_ARM_SHARE = 0.1
 # an arm of the model this near, as a factor in time, already stands for the unseen one
 NEAR_FACTOR = 3.0
 
 
 @dataclass(frozen=True)
-class SupposedSeal:
+class AssumedSeal:
     """Assumed seal, with an arm that the test may not show.
 
     Attributes
@@ -65,6 +65,6 @@ class SupposedSeal:
             tau = 1 / (2 * np.pi * at)
             if any(1 / NEAR_FACTOR < value / tau < NEAR_FACTOR for value in self.model.tau):
                 return self.model, None
-            arm = (USUAL_PART * self.model.k_0, tau)
+            arm = (TYPICAL_ARM_SHARE * self.model.k_0, tau)
         values = convert_to_si(arm[0], "stiffness"), convert_to_si(arm[1], "time")
         return self.model + GeneralizedMaxwell(0.0, values[:1], values[1:]), values

@@ -17,7 +17,7 @@ from dashpot.base.serialisation import EVERY_FIELD, Serialisable
 from dashpot.base.units import Quantity, convert_to_si, convert_to_unit, format_quantity
 from dashpot.base.value_ranges import require_positive
 from dashpot.planning import checks
-from dashpot.planning.assumed_seal import SupposedSeal
+from dashpot.planning.assumed_seal import AssumedSeal
 from dashpot.planning.checks import format_percent, format_relative_sd
 from dashpot.planning.expected_errors import (
     ExpectedArm,
@@ -347,7 +347,7 @@ def plan(
     bench: Bench = Bench(),  # noqa: B008
     *,
     at: Quantity,
-    seal: SupposedSeal = SupposedSeal(),  # noqa: B008
+    seal: AssumedSeal = AssumedSeal(),  # noqa: B008
     hammer: HammerPlan = HammerPlan(),  # noqa: B008
     cold: Quantity | Sequence[Quantity] = (),
     target_sd: float = TARGET_SD,
@@ -370,7 +370,7 @@ def plan(
         The relaxation test.
     at : float
         The frequency of interest, Hz.
-    seal : SupposedSeal
+    seal : AssumedSeal
     hammer : HammerPlan
     cold : float or sequence of float
         Temperatures, K, at which the same test is repeated: arms that are too fast for the ramp

@@ -8,17 +8,36 @@ The names stand in ``__init__.pyi``, those of an extension in its rows; each is 
 first used.
 """
 
+from functools import wraps
+from types import FunctionType
 from typing import Any
 
 from dashpot.base.lazy import build_lazy_exports
-from dashpot.registry import find_handler, list_names
+from dashpot.registry import call_handler, find_handler, list_names
 
 _find, _list = build_lazy_exports(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
     """Return the function that draws a figure: of the core, or of an extension."""
-    return __dir__() if name == "__all__" else find_handler("plot", name) or _find(name)
+    if name == "__all__":
+        return __dir__()
+    value = find_handler("plot", name) or _find(name)
+    return _add_advice(value) if isinstance(value, FunctionType) else value
+
+
+def _add_advice(function: Any) -> Any:
+    """Let errors of a figure's function say what to do, as a decorator."""
+
+    @wraps(function)
+    def draw(*args: Any, **keywords: Any) -> Any:
+        try:
+            return function(*args, **keywords)
+        except Exception as error:
+            call_handler("add advice", "figure", function, error, args, keywords, default=None)
+            raise
+
+    return draw
 
 
 def __dir__() -> list[str]:

@@ -9,7 +9,7 @@ const NS = "http://www.w3.org/2000/svg", FINE = 20;
  * @param {Record<string, string | number>} attributes
  * @param {Element} parent
  */
-const make = (name, attributes, parent) => {
+const createSvg = (name, attributes, parent) => {
   const made = document.createElementNS(NS, name);
   for (const key in attributes) made.setAttribute(key, String(attributes[key]));
   parent.append(made);
@@ -17,7 +17,7 @@ const make = (name, attributes, parent) => {
 };
 /** @type {(v: number, low: number, high: number) => number} */
 const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
-const say = (/** @type {number} */ v) => {
+const formatNumber = (/** @type {number} */ v) => {
   if (!v) return "0";
   const size = Math.abs(v);
   const text = size >= 1e5 || size < 1e-3 ? v.toExponential(2) : String(+v.toPrecision(4));
@@ -36,53 +36,53 @@ export class Axis {
     this.flipped = flipped;
   }
   value(/** @type {number} */ unit) {
-    const part = this.flipped ? 1 - unit / this.length : unit / this.length;
+    const share = this.flipped ? 1 - unit / this.length : unit / this.length;
     return this.log
-      ? this.low * (this.high / this.low) ** part
-      : this.low + (this.high - this.low) * part;
+      ? this.low * (this.high / this.low) ** share
+      : this.low + (this.high - this.low) * share;
   }
   unit(/** @type {number} */ value) {
-    const part = this.log
+    const share = this.log
       ? Math.log(value / this.low) / Math.log(this.high / this.low)
       : (value - this.low) / (this.high - this.low);
-    return this.length * (this.flipped ? 1 - part : part);
+    return this.length * (this.flipped ? 1 - share : share);
   }
   // round values between two ends, about `most` of them
   /** @param {number} a @param {number} b @param {number} most */
   round(a, b, most) {
-    const low = Math.min(a, b), high = Math.max(a, b), found = [];
+    const low = Math.min(a, b), high = Math.max(a, b), values = [];
     if (this.log && high / low > 8) {
       const subs = high / low > 300 ? [1] : [1, 2, 5];
       for (let d = Math.floor(Math.log10(low)); d <= Math.log10(high); d++) {
-        for (const m of subs) found.push(m * 10 ** d);
+        for (const m of subs) values.push(m * 10 ** d);
       }
     } else {
       const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw));
       const step = [1, 2, 2.5, 5, 10].map((m) => m * power).find((s) => s >= raw * 0.999) || raw;
       for (let i = Math.ceil(low / step); i * step <= high; i++) {
-        found.push(+(i * step).toPrecision(12));
+        values.push(+(i * step).toPrecision(12));
       }
     }
-    return found.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9) || v === 0);
+    return values.filter((v) => v >= low * (1 - 1e-9) && v <= high * (1 + 1e-9) || v === 0);
   }
 }
 
 const points = (/** @type {string} */ d) => {
   /** @type {Place[]} */
-  const found = [];
-  for (const part of d.split("M").slice(1)) {
-    const n = (part.match(/-?\d+/g) || []).map(Number);
+  const values = [];
+  for (const share of d.split("M").slice(1)) {
+    const n = (share.match(/-?\d+/g) || []).map(Number);
     let x = n[0], y = n[1];
-    found.push([x, y]);
-    if (part.includes("h")) continue;
-    for (let i = 2; i + 1 < n.length; i += 2) found.push([x += n[i], y += n[i + 1]]);
+    values.push([x, y]);
+    if (share.includes("h")) continue;
+    for (let i = 2; i + 1 < n.length; i += 2) values.push([x += n[i], y += n[i + 1]]);
   }
-  return found;
+  return values;
 };
 
 /** @type {(root: ParentNode, query: string) => SVGElement[]} */
 const parts = (root, query) =>
-  [...root.querySelectorAll(query)].map((one) => /** @type {SVGElement} */ (one));
+  [...root.querySelectorAll(query)].map((element) => /** @type {SVGElement} */ (element));
 
 export class Panel {
   constructor(/** @type {SVGElement} */ group) {
@@ -126,8 +126,8 @@ export class Panel {
     }
     const [a, b] = [at[low], at[high]];
     if (b[0] - a[0] > 60 * FINE) return Math.abs(x - a[0]) < Math.abs(x - b[0]) ? a : b;
-    const part = b[0] === a[0] ? 0 : clamp((x - a[0]) / (b[0] - a[0]), 0, 1);
-    return [x, a[1] + part * (b[1] - a[1])];
+    const share = b[0] === a[0] ? 0 : clamp((x - a[0]) / (b[0] - a[0]), 0, 1);
+    return [x, a[1] + share * (b[1] - a[1])];
   }
   // the curve through these values, as a path
   /** @param {ArrayLike<number>} x @param {ArrayLike<number>} y */
@@ -143,17 +143,17 @@ export class Panel {
   /** @param {number} x @param {number} y @returns {[string, string][]} */
   values(x, y) {
     /** @type {Map<string, string[]>} */
-    const found = new Map();
+    const values = new Map();
     for (const curve of this.curves) {
       const at = this.on(curve, x, y);
       if (!at) continue;
-      const value = say(this.y.value(at[1]));
-      const text = curve.rising ? value : `${say(this.x.value(at[0]))} | ${value}`;
-      const said = found.get(curve.name) || [];
-      said.push(text);
-      found.set(curve.name, said);
+      const value = formatNumber(this.y.value(at[1]));
+      const text = curve.rising ? value : `${formatNumber(this.x.value(at[0]))} | ${value}`;
+      const texts = values.get(curve.name) || [];
+      texts.push(text);
+      values.set(curve.name, texts);
     }
-    return [...found].map(([name, v]) => {
+    return [...values].map(([name, v]) => {
       const pair = this.curves.some((c) => c.name === name && c.edge);
       return [name, v.slice(0, 6).join(pair ? " to " : ", ")];
     });
@@ -167,7 +167,7 @@ export class Panel {
   }
   /** @param {number} x */
   where(x) {
-    return say(this.x.value(x));
+    return formatNumber(this.x.value(x));
   }
   /** @param {number} x @param {number} y */
   read(x, y) {
@@ -190,21 +190,21 @@ export class Panel {
     const [bx, by, w, h] = this.box, [x0, y0, x1, y1] = this.view, soft = "var(--soft)";
     /** @param {number} x @param {number} y @param {string} words @param {string} anchor */
     const text = (x, y, words, anchor) => {
-      make("text", { x, y, "font-size": 12, fill: soft, "text-anchor": anchor }, this.ticks)
+      createSvg("text", { x, y, "font-size": 12, fill: soft, "text-anchor": anchor }, this.ticks)
         .textContent = words;
     };
     const line = (/** @type {string} */ d, /** @type {string} */ colour) =>
-      make("path", { d, stroke: `var(--${colour})` }, this.ticks);
+      createSvg("path", { d, stroke: `var(--${colour})` }, this.ticks);
     for (const v of this.y.round(this.y.value(y0), this.y.value(y1), Math.max(2, h / 40))) {
       const y = by + h * (this.y.unit(v) - y0) / (y1 - y0);
       line(`M${bx} ${y}H${bx + w}`, "line");
-      text(bx - 6, y + 4, say(v), "end");
+      text(bx - 6, y + 4, formatNumber(v), "end");
     }
     line(`M${bx} ${by + h}H${bx + w}`, "edge");
     for (const v of this.x.round(this.x.value(x0), this.x.value(x1), Math.max(2, w / 80))) {
       const x = bx + w * (this.x.unit(v) - x0) / (x1 - x0);
       line(`M${x} ${by + h}v5`, "edge");
-      if (this.named) text(x, by + h + 18, say(v), "middle");
+      if (this.named) text(x, by + h + 18, formatNumber(v), "middle");
     }
   }
 }
@@ -220,11 +220,11 @@ export class Figure {
     this.y = this.at.whole[3] / 2;
     /** @type {ReturnType<Figure["place"]> | null} */
     this.from = null;
-    this.cross = make("path", { class: "cross" }, svg);
-    this.frame = make("rect", { class: "frame" }, svg);
+    this.cross = createSvg("path", { class: "cross" }, svg);
+    this.frame = createSvg("rect", { class: "frame" }, svg);
     this.framed([0, 0, 0, 0]);
     // what is read off is told; numbers at the axes, one by one, are noise
-    for (const one of svg.children) one.setAttribute("aria-hidden", "true");
+    for (const element of svg.children) element.setAttribute("aria-hidden", "true");
     svg.tabIndex = 0;
     svg.setAttribute("role", "application");
     svg.removeAttribute("aria-hidden");
@@ -238,7 +238,7 @@ export class Figure {
     svg.addEventListener("pointercancel", () => this.forget());
     svg.addEventListener("dblclick", () => this.reset());
     svg.addEventListener("keydown", (e) => this.key(e));
-    svg.addEventListener("focus", () => this.tell());
+    svg.addEventListener("focus", () => this.showValues());
   }
   // where a pointer is: the panel under it and the place in units
   place(/** @type {PointerEvent} */ e) {
@@ -269,7 +269,7 @@ export class Figure {
     this.at = to.panel;
     this.x = to.x;
     this.y = to.y;
-    this.tell();
+    this.showValues();
   }
   press(/** @type {PointerEvent} */ e) {
     if (e.button) return;
@@ -303,18 +303,18 @@ export class Figure {
   /** @param {Panel} panel @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
   zoom(panel, x0, y0, x1, y1) {
     const scale = 1 / panel.whole[2];
-    for (const one of this.panels) {
-      const [, v0, , v1] = one.view, w = one.whole[2];
-      one.show(one === panel ? [x0, y0, x1, y1] : [x0 * scale * w, v0, x1 * scale * w, v1]);
+    for (const element of this.panels) {
+      const [, v0, , v1] = element.view, w = element.whole[2];
+      element.show(element === panel ? [x0, y0, x1, y1] : [x0 * scale * w, v0, x1 * scale * w, v1]);
     }
     this.zoomed();
   }
   reset() {
-    for (const one of this.panels) one.show([...one.whole]);
+    for (const element of this.panels) element.show([...element.whole]);
     this.zoomed();
   }
   zoomed() {
-    this.tell();
+    this.showValues();
     this.svg.dispatchEvent(new Event("zoomed", { bubbles: true }));
   }
   about(/** @type {number} */ factor) {
@@ -357,17 +357,17 @@ export class Figure {
     acts[e.key]();
     const [a, , b] = this.at.view;
     this.x = clamp(this.x, a, b);
-    this.tell();
+    this.showValues();
   }
   // panels below each other share the horizontal axis, and the line that reads it off
   mark() {
-    const part = this.x / this.at.whole[2];
+    const share = this.x / this.at.whole[2];
     const d = this.panels.map(({ box: [bx, by, w, h], view: [x0, , x1], whole }) =>
-      `M${bx + w * (part * whole[2] - x0) / (x1 - x0)} ${by}v${h}`
+      `M${bx + w * (share * whole[2] - x0) / (x1 - x0)} ${by}v${h}`
     );
     this.cross.setAttribute("d", d.join(""));
   }
-  tell() {
+  showValues() {
     this.mark();
     this.out.textContent = this.at.read(this.x, this.y);
   }

@@ -11,7 +11,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ExportError
 from dashpot.base.file_writing import write_atomic
-from dashpot.base.option_fields import Drawn, FigureSize, get_choice_values
+from dashpot.base.option_fields import FigureFormat, FigureSize, get_choice_values
 from dashpot.base.version import byline
 from dashpot.plot.layout import Fill, Frame, Markers, Polyline, Word, arrange_sheet
 from dashpot.plot.picture import Dots, Keyed, Line, Pen, Picture, Rule
@@ -206,7 +206,7 @@ def render_figure(
     """
     kind = suffix.lower().lstrip(".")
     picture = picture if size is None else picture.resize(size)
-    if kind not in get_choice_values(Drawn):
+    if kind not in get_choice_values(FigureFormat):
         raise ExportError(
             f"a figure is written as .pdf, .png or .svg, found '{suffix or 'no suffix'}'"
         )

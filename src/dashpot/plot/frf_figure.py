@@ -368,7 +368,7 @@ def nyquist(
             marks.append(Line(value.real, value.imag, pen, label))
         marks.append(Dots(value[points].real, value[points].imag, pen.colour, size=8, hollow=True))
     values = np.concatenate(ranges)
-    kind = measured.quantity.value.replace("_", " ")
+    kind = measured.quantity.label
     panel = Panel(
         Scale(f"real part of {kind}, {unit}", compute_padded_limits(values.real, margin=0.08)),
         Scale(f"imaginary part of {kind}, {unit}", compute_padded_limits(values.imag, margin=0.08)),

@@ -164,7 +164,7 @@ def text_width(text: str, *, bold: bool = False) -> float:
 
 def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
     """Return the places of a strip `width` px wide."""
-    ticks = [[] if panel.drawing else _upright(panel) for panel in strip]
+    ticks = [[] if panel.drawing else _list_vertical_numbers(panel) for panel in strip]
     widest = max((text_width(word) for tick in ticks for _, word in tick), default=0.0)
     left_margin = 0.0 if all(panel.drawing for panel in strip) else GAP + widest
     inner_width = width - left_margin - RIGHT
@@ -173,24 +173,24 @@ def lay_out(strip: tuple[Panel, ...], width: float) -> StripLayout:
         last = i == len(strip) - 1
         names_height = y + (ROW + 4) * bool(panel.title)
         has_y_label = not (panel.drawing or panel.without_y_label)
-        top_margin = 4 + ROW * (has_y_label + _rows_above(panel, inner_width))
+        top_margin = 4 + ROW * (has_y_label + _count_note_rows(panel, inner_width))
         box = Box(left_margin, names_height + top_margin, inner_width, panel.height)
         shown_panel, at = panel, ticks[i]
         if panel.square:
             shown_panel = _equalise_scales(panel, inner_width)
-            at = [] if panel.drawing else _upright(shown_panel)
-        frames.append(_frame(shown_panel, box, at, with_name=last))
-        y = box.y + box.height + (_beneath(panel) if last else 10)
+            at = [] if panel.drawing else _list_vertical_numbers(shown_panel)
+        frames.append(_lay_out_frame(shown_panel, box, at, with_name=last))
+        y = box.y + box.height + (_compute_height_below(panel) if last else 10)
     return StripLayout(width, y, tuple(frames))
 
 
-def _beneath(panel: Panel) -> float:
+def _compute_height_below(panel: Panel) -> float:
     """Return the height of numbers and texts below a panel, px."""
     lines = panel.below.count("\n") + 1 if panel.below else 0
     return 10 + ROW * lines if panel.drawing else 2 * ROW + 6
 
 
-def _upright(panel: Panel) -> list[tuple[float, str]]:
+def _list_vertical_numbers(panel: Panel) -> list[tuple[float, str]]:
     """Return the numbers of the upright axis, and how they are written."""
     if panel.y.unnumbered:
         return []
@@ -219,7 +219,7 @@ def arrange_sheet(picture: Picture) -> Sheet:
         x += key_width
     if picture.stamp:
         y += (ROW + 6) * bool(key)
-        for i, line in enumerate(_broken(picture.stamp, picture.width - 2 * MARGIN)):
+        for i, line in enumerate(_wrap_text(picture.stamp, picture.width - 2 * MARGIN)):
             y += ROW * bool(i)
             words.append(Word(MARGIN, y, line))
     return Sheet(y + MARGIN, tuple(strips), tuple(key), tuple(words))
@@ -241,7 +241,7 @@ def _equalise_scales(panel: Panel, width: float) -> Panel:
     )
 
 
-def _frame(
+def _lay_out_frame(
     panel: Panel, box: Box, vertical_numbers: list[tuple[float, str]], *, with_name: bool
 ) -> Frame:
     """One panel; `with_name` adds numbers and a label to the horizontal axis."""
@@ -250,12 +250,12 @@ def _frame(
     words = _make_panel_words(panel, box)
     if not panel.drawing:
         numbered = _make_horizontal_numbers(panel.x, box)
-        axis_lines, ticks = _axes(panel, box, vertical_numbers, numbered)
+        axis_lines, ticks = _lay_out_axes(panel, box, vertical_numbers, numbered)
         if with_name:
             ticks += numbered
             label_y = box.y + box.height + 34
             words.append(Word(box.x + box.width / 2, label_y, panel.x.label, anchor="middle"))
-    inner = tuple(item for mark in panel.marks for item in _inner(mark, panel, box))
+    inner = tuple(item for mark in panel.marks for item in _lay_out_mark(mark, panel, box))
     tags = [mark for mark in panel.marks if isinstance(mark, Tag)]
     return Frame(
         panel,
@@ -267,7 +267,7 @@ def _frame(
     )
 
 
-def _axes(
+def _lay_out_axes(
     panel: Panel, box: Box, vertical_numbers: list[tuple[float, str]], numbered: list[Word]
 ) -> tuple[list[AxisLine], list[Word]]:
     """Return the lines of both axes, and the numbers of the upright one."""
@@ -287,10 +287,10 @@ def _axes(
 
 def _wrap_note(panel: Panel, width: float) -> list[str]:
     """Return the note in lines, each no wider than the axes."""
-    return _broken(panel.note, width) if panel.note else []
+    return _wrap_text(panel.note, width) if panel.note else []
 
 
-def _rows_above(panel: Panel, width: float) -> int:
+def _count_note_rows(panel: Panel, width: float) -> int:
     """Rows of a note over the one that names the upright axis, beside which a short one stands."""
     lines = _wrap_note(panel, width)
     if panel.without_y_label or panel.drawing:
@@ -299,7 +299,7 @@ def _rows_above(panel: Panel, width: float) -> int:
     return 0 if not lines or needed_width <= width + 4 else len(lines)
 
 
-def _broken(text: str, width: float) -> list[str]:
+def _wrap_text(text: str, width: float) -> list[str]:
     """Return text in lines of limited width, px, broken at spaces."""
     lines = [""]
     # a number stays with its unit
@@ -321,7 +321,7 @@ def _make_panel_words(panel: Panel, box: Box) -> list[Word]:
         at = box.x + box.width / 2, box.y + box.height + ROW * (i + 1)
         has_heading = i == 0 and "\n" in panel.below
         words.append(Word(*at, line, "ink" if has_heading else "soft", has_heading, "middle"))
-    rows = _rows_above(panel, box.width)
+    rows = _count_note_rows(panel, box.width)
     if panel.title:
         title_y = -6 if panel.drawing and not panel.note else -8 - ROW * (rows or 1)
         if rows and not panel.drawing:
@@ -346,7 +346,7 @@ def _make_horizontal_numbers(scale: Scale, box: Box) -> list[Word]:
     ]
 
 
-def _points(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
+def _convert_to_px(panel: Panel, box: Box, x: FloatArray, y: FloatArray) -> FloatArray:
     """Data to px from the upper left corner of the axes, shape (n, 2); far ones brought near."""
     horizontal = box.width * place(panel.x, x)
     vertical = box.height * (1 - place(panel.y, y))
@@ -366,7 +366,7 @@ def _clip_to_axis(panel: Panel, x: FloatArray, *rows: FloatArray) -> tuple[Float
     return (x[visible], *(row[visible] for row in rows))
 
 
-def _parts(points: FloatArray) -> tuple[FloatArray, ...]:
+def _split_at_gaps(points: FloatArray) -> tuple[FloatArray, ...]:
     """Return the unbroken parts of a curve, each of two points or more."""
     values = np.isfinite(points).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], values, [False])).astype(np.int8)))
@@ -390,16 +390,16 @@ def simplify_line(points: FloatArray) -> FloatArray:
     return points
 
 
-def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
+def _lay_out_mark(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     if isinstance(mark, Line):
-        points = _points(panel, box, *_clip_to_axis(panel, mark.x, mark.y))
-        return [Polyline(_parts(points), mark.pen, mark.label)]
+        points = _convert_to_px(panel, box, *_clip_to_axis(panel, mark.x, mark.y))
+        return [Polyline(_split_at_gaps(points), mark.pen, mark.label)]
     if isinstance(mark, Dots):
-        return _dots(mark, panel, box)
+        return _lay_out_dots(mark, panel, box)
     if isinstance(mark, Area):
-        return _area(mark, panel, box)
+        return _lay_out_area(mark, panel, box)
     if isinstance(mark, Ring):
-        points = _points(panel, box, mark.x, mark.y)
+        points = _convert_to_px(panel, box, mark.x, mark.y)
         return [Fill((points,), mark.colour, mark.tint, mark.hatched)]
     if isinstance(mark, Span):
         x = np.clip(box.width * place(panel.x, (mark.low, mark.high)), 0, box.width)
@@ -419,7 +419,10 @@ def _inner(mark: Mark, panel: Panel, box: Box) -> list[Polyline | Fill | Markers
         return [Polyline((np.array(ends, dtype=float),), mark.pen)]
     return [
         Markers(
-            _points(panel, box, *_get_tag_position(mark)), 9.0, mark.colour, mark.dot == "hollow"
+            _convert_to_px(panel, box, *_get_tag_position(mark)),
+            9.0,
+            mark.colour,
+            mark.dot == "hollow",
         )
     ] * bool(mark.dot)
 
@@ -428,20 +431,20 @@ def _get_tag_position(tag: Tag) -> tuple[FloatArray, FloatArray]:
     return np.array([tag.x]), np.array([tag.y])
 
 
-def _dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
-    centres = _points(panel, box, mark.x, mark.y)
+def _lay_out_dots(mark: Dots, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
+    centres = _convert_to_px(panel, box, mark.x, mark.y)
     values = np.isfinite(centres).all(axis=1)
     shapes: list[Polyline | Fill | Markers] = []
     if mark.error is not None:
-        low, high = (_points(panel, box, mark.x, mark.y + s * mark.error) for s in (-1, 1))
+        low, high = (_convert_to_px(panel, box, mark.x, mark.y + s * mark.error) for s in (-1, 1))
         bars = tuple(np.array(pair) for pair in zip(low[values], high[values], strict=True))
         shapes.append(Polyline(bars, Pen(mark.colour, 1.0)))
     return [*shapes, Markers(centres[values], mark.size, mark.colour, mark.hollow, mark.label)]
 
 
-def _area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
+def _lay_out_area(mark: Area, panel: Panel, box: Box) -> list[Polyline | Fill | Markers]:
     x, *edges = _clip_to_axis(panel, mark.x, mark.low, mark.high)
-    edge_points = [_points(panel, box, x, edge) for edge in edges]
+    edge_points = [_convert_to_px(panel, box, x, edge) for edge in edges]
     values = np.isfinite(edge_points).all(axis=(0, 2))
     low, high = (simplify_line(edge[values]) for edge in edge_points)
     ring = np.concatenate([low, high[::-1]])
@@ -463,8 +466,10 @@ def _place_tags(
     tags: list[Tag], panel: Panel, box: Box, inner: tuple[Polyline | Fill | Markers, ...]
 ) -> list[Word]:
     """Labels beside their points, inside the axes, clear of each other, and best of all else."""
-    drawn_points = _strokes(inner, box) if tags else np.zeros((0, 2))
-    tag_points = [_points(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags]
+    drawn_points = _sample_curves(inner, box) if tags else np.zeros((0, 2))
+    tag_points = [
+        _convert_to_px(panel, box, *_get_tag_position(tag))[0] + (box.x, box.y) for tag in tags
+    ]
     boxes = [Box(x - 5, y - 5, 10, 10) for tag, (x, y) in zip(tags, tag_points, strict=True)
              if not tag.end]  # fmt: skip
     # what reaches beyond the sheet stands further in, upon its own curve
@@ -498,7 +503,7 @@ def _place_tags(
                 far_spots,
                 _Surroundings(box, boxes, drawn_points, _get_hatched_rings(inner, box)),
             )
-            for lines in dict.fromkeys(((tag.text,), tuple(_halves(tag.text))))
+            for lines in dict.fromkeys(((tag.text,), tuple(_split_in_two_lines(tag.text))))
         ]
         # in two lines only where one is too long, or more runs through it
         words, _ = min(layout, key=lambda pair: pair[1])
@@ -519,7 +524,7 @@ class _Surroundings(NamedTuple):
     hatched: list[FloatArray]
 
 
-def _halves(text: str) -> list[str]:
+def _split_in_two_lines(text: str) -> list[str]:
     """Words in two lines, about as long."""
     # a number stays with its unit
     at = [match.start() for match in re.finditer(r"(?<!\d) ", text)]
@@ -576,7 +581,7 @@ def _place_tag_lines(
     return words(near_spots[overhangs.index(smallest_overhang)]), (1.0 + smallest_overhang, 0)
 
 
-def _strokes(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArray:
+def _sample_curves(inner: tuple[Polyline | Fill | Markers, ...], box: Box) -> FloatArray:
     """Places that curves run through, and about which hatched areas end, every few px."""
     parts = [
         part
@@ -635,8 +640,8 @@ def _place_end_names(
         word_width = text_width(tag.text, bold=tag.bold)
         for group in crowds:
             last, at, _, lowest = group[-1]
-            parallel = x > at + text_width(last.text, bold=last.bold) or at > x + word_width
-            if not parallel and y < lowest + ROW - 1:
+            is_beside = x > at + text_width(last.text, bold=last.bold) or at > x + word_width
+            if not is_beside and y < lowest + ROW - 1:
                 group.append((tag, x, y, lowest + ROW - 1))
                 break
         else:
@@ -648,14 +653,13 @@ def _place_end_names(
     return pairs
 
 
-def _is_free_box(available_box: Box, box: Box, boxes: list[Box]) -> bool:
+def _is_free_box(word_box: Box, box: Box, boxes: list[Box]) -> bool:
     """Return whether some labels lie inside the axes without overlap."""
-    parallel = (
-        box.x - 2 <= available_box.x
-        and available_box.x + available_box.width <= box.x + box.width + RIGHT
+    is_between = (
+        box.x - 2 <= word_box.x and word_box.x + word_box.width <= box.x + box.width + RIGHT
     )
-    is_above = box.y - 4 <= available_box.y <= box.y + box.height - ROW
-    return parallel and is_above and not any(_meet(available_box, other) for other in boxes)
+    is_inside = box.y - 4 <= word_box.y <= box.y + box.height - ROW
+    return is_between and is_inside and not any(_overlap(word_box, other) for other in boxes)
 
 
 def _get_word_box(word: Word) -> Box:
@@ -664,13 +668,13 @@ def _get_word_box(word: Word) -> Box:
     return Box(left_edge, word.y - 12, word_width, ROW)
 
 
-def _compute_overhang(available_box: Box, box: Box) -> float:
+def _compute_overhang(word_box: Box, box: Box) -> float:
     """Return how far some words reach out of the axes on either side, px."""
-    right = available_box.x + available_box.width - box.x - box.width - RIGHT
-    return max(box.x - available_box.x, 0.0) + max(right, 0.0)
+    right = word_box.x + word_box.width - box.x - box.width - RIGHT
+    return max(box.x - word_box.x, 0.0) + max(right, 0.0)
 
 
-def _meet(first: Box, second: Box) -> bool:
+def _overlap(first: Box, second: Box) -> bool:
     separate = (
         first.x + first.width < second.x
         or second.x + second.width < first.x
@@ -680,6 +684,6 @@ def _meet(first: Box, second: Box) -> bool:
     return not separate
 
 
-def limits(scale: Scale) -> str:
+def format_axis_limits(scale: Scale) -> str:
     """Return an axis as a page's script reads it: its kind and its limits."""
     return f"{'log' if scale.log else 'lin'} {scale.limits[0]:.8g} {scale.limits[1]:.8g}"

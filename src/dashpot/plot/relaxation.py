@@ -42,7 +42,7 @@ from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 DATA = Pen("measured", 1.2)
 """Pen of a record; the fits are drawn over it."""
 
-SINCE, SINCE_RAMP = "time since first contact, s", "time since ramp end, s"
+TIME_LABEL, TIME_AFTER_RAMP_LABEL = "time since first contact, s", "time since ramp end, s"
 
 
 def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
@@ -57,20 +57,20 @@ def segments(prepared: RampHold, *, stamp: str = "") -> Picture:
         (to_length * prepared.displacement, f"compression, {length}"),
         (to_force * prepared.force, f"force, {force}"),
     )
-    t, c, end = prepared.time - prepared.onset, prepared.ramp_time, _end(prepared)
+    t, c, end = prepared.time - prepared.onset, prepared.ramp_time, _get_hold_end(prepared)
     ramp = (max(t[0], -0.6 * c), min(t[-1], 2.0 * c))
     hold = (0.5 * c, max(t[-1], end))
-    hold_time, hertz = prepared.hold_time, f"{to_length * prepared.depth:.3g} {length}"
-    titles = (f"Ramp, {c:.3g} s", f"Hold, {hold_time:.3g} s at {hertz}")
+    hold_time, depth_text = prepared.hold_time, f"{to_length * prepared.depth:.3g} {length}"
+    titles = (f"Ramp, {c:.3g} s", f"Hold, {hold_time:.3g} s at {depth_text}")
     strips = []
     for limits, log, title in zip((ramp, hold), (False, True), titles, strict=True):
         in_range = (t >= limits[0]) & (t <= limits[1])
         strip: list[Panel] = []
         for values, label in rows:
             x, y = downsample_to_extremes(t[in_range], values[in_range], bins=400, log=log)
-            marks: list[Mark] = [*_segments(prepared, limits)]
+            marks: list[Mark] = [*_shade_ramp(prepared, limits)]
             marks.append(Line(x, y, MEASURED, "measured"))
-            axes = (Scale(SINCE, limits, log), Scale(label, compute_padded_limits(y)))
+            axes = (Scale(TIME_LABEL, limits, log), Scale(label, compute_padded_limits(y)))
             strip.append(Panel(*axes, tuple(marks), title=title * (not strip), height=130))
         strips.append(tuple(strip))
     caption = (
@@ -130,7 +130,7 @@ class PlottedFit(NamedTuple):
     ) -> tuple[FloatArray, FloatArray]:
         """Time from first contact and residual, N, over what a log axis shows, or from `start`."""
         start = _log_start(prepared) if start is None else start
-        in_fit = (self.time >= start) & (self.time <= _end(prepared))
+        in_fit = (self.time >= start) & (self.time <= _get_hold_end(prepared))
         measured = np.interp(self.time[in_fit], prepared.time - prepared.onset, prepared.force)
         return self.time[in_fit], measured - self.force[in_fit]
 
@@ -160,7 +160,7 @@ def force_panel(
     height: float = 210.0,
 ) -> Panel:
     """Return force with the fitted curves over it, on log time."""
-    start, end = _log_start(prepared), _end(prepared)
+    start, end = _log_start(prepared), _get_hold_end(prepared)
     unit, scale = select_plot_unit(prepared.force, "N")
 
     def line(t: FloatArray, force: FloatArray, pen: Pen, label: str) -> Line:
@@ -173,9 +173,9 @@ def force_panel(
     # the chosen one over the others
     curves = [line(item.time, item.force, item.pen, item.label)
               for item in sorted(plotted_fits, key=lambda item: item.pen is FIT)]  # fmt: skip
-    marks: list[Mark] = [*_segments(prepared, (start, end)), data, *curves]
+    marks: list[Mark] = [*_shade_ramp(prepared, (start, end)), data, *curves]
     axes = (
-        Scale(SINCE, (start, end), log=True),
+        Scale(TIME_LABEL, (start, end), log=True),
         Scale(f"force, {unit}", compute_padded_limits(data.y)),
     )
     return Panel(*axes, tuple(marks), title=title, height=height)
@@ -198,7 +198,7 @@ def residual_panel(
     unit, scale = select_plot_unit(residual, "N")
     drawn_residual = scale * residual
     x, mean = downsample_to_means(time, drawn_residual, log=True)
-    low, high = _ranges(time, drawn_residual, x)
+    low, high = _compute_ranges(time, drawn_residual, x)
     noise = scale * prepared.force_noise
     marks: list[Mark] = [Area(x, low, high, curve.pen.colour, "residual: range of samples")]
     if noise > 0:
@@ -210,16 +210,18 @@ def residual_panel(
     marks.append(Line(x, mean, Pen(curve.pen.colour, 1.4), "residual: mean"))
     # of a fit to several tests the residual has no unit
     of_force = curve.fit.method in get_choice_values(Method)
-    size = curve.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
-    unit_name, factor = select_plot_unit(np.array([size]), "N")
+    rms = curve.fit.estimate.residual.rms if of_force else float(np.sqrt(np.mean(residual**2)))
+    unit_name, factor = select_plot_unit(np.array([rms]), "N")
     label = f"residual of {get_model_label(curve.fit)}, {unit}"
-    rms = f"rms {round_to_error(factor * size)} {unit_name}"
-    horizontal = axis or Scale(SINCE, (_log_start(prepared), _end(prepared)), log=True)
+    note = f"rms {round_to_error(factor * rms)} {unit_name}"
+    horizontal = axis or Scale(
+        TIME_LABEL, (_log_start(prepared), _get_hold_end(prepared)), log=True
+    )
     vertical = Scale(label, compute_padded_limits(low, high, margin=0.08))
-    return Panel(horizontal, vertical, tuple(marks), height=90, note=rms)
+    return Panel(horizontal, vertical, tuple(marks), height=90, note=note)
 
 
-def _ranges(
+def _compute_ranges(
     time: FloatArray, values: FloatArray, times: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest value nearest to each of some times."""
@@ -292,12 +294,12 @@ def _select_depth_solid(fit: Fit, depth: float) -> Solid:
     return GeneralizedMaxwell(max(nearest_depth.k_inf, 0.0), k, tau)
 
 
-def _end(prepared: RampHold) -> float:
+def _get_hold_end(prepared: RampHold) -> float:
     """Return the end of the hold, s after first contact."""
     return prepared.hold_end - prepared.onset
 
 
-def _segments(prepared: RampHold, limits: tuple[float, float]) -> list[Span]:
+def _shade_ramp(prepared: RampHold, limits: tuple[float, float]) -> list[Span]:
     """Shade the ramp; the hold is what follows it."""
     low, high = max(0.0, limits[0]), min(prepared.ramp_time, limits[1])
     return [Span(low, high, "ref", "ramp")] if high > low else []

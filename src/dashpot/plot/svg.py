@@ -25,8 +25,8 @@ from dashpot.plot.layout import (
     Polyline,
     Word,
     arrange_sheet,
+    format_axis_limits,
     lay_out,
-    limits,
 )
 from dashpot.plot.picture import Dots, Keyed, Line, Panel, Pen, Picture, Rule
 
@@ -114,7 +114,8 @@ def _frame(frame: Frame, name: str) -> str:
     x, y, w, h = frame.box
     inner = "".join(_inner(mark, name) for mark in frame.inner)
     return (
-        f'<g class="panel" data-x="{limits(frame.panel.x)}" data-y="{limits(frame.panel.y)}" '
+        f'<g class="panel" data-x="{format_axis_limits(frame.panel.x)}" '
+        f'data-y="{format_axis_limits(frame.panel.y)}" '
         f'data-box="{x:.2f} {y:.2f} {w:.2f} {h:.2f}" data-label="{_text(frame.panel.x.label)}|'
         f'{_text(frame.panel.y.label)}">'
         f'<g class="ticks">{"".join(map(_hair, frame.axis_lines))}'

@@ -35,7 +35,7 @@ _LATE_START_MESSAGE = (
 
 
 class IdealRamp(NamedTuple):
-    """Straight ramp: ``x = level + speed * (t - at)``.
+    """Straight ramp: ``x = reference_displacement + speed * (t - reference_time)``.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def ideal_ramp(
 
 
 def _last_below(x: FloatArray, level: float) -> int:
-    """Return the last sample below `level` before the record first stands at its highest."""
+    """Return the last sample below `level` before the record first reaches its maximum."""
     peak_index = int(np.argmax(x))
     indices_below = np.flatnonzero(x[:peak_index] < level)
     return int(indices_below[-1]) if indices_below.size else 0
@@ -225,14 +225,14 @@ def build_motion_from_times(
     level = median(x[corner : last + 1])
     rest_segment, segments = None, find_segments(time, x, _resolution(test))
     if first >= 1:
-        # where it stood last, if it was moved before
+        # begin of the last rest, if the plate moved before
         changes = [
             segment.last for segment in segments if segment.kind != "hold" and segment.last < first
         ]
-        stood = changes[-1] if changes and first - changes[-1] >= _MIN_REST_SAMPLES else 0
-        level_before = median(x[stood : first + 1])
+        rest_start = changes[-1] if changes and first - changes[-1] >= _MIN_REST_SAMPLES else 0
+        level_before = median(x[rest_start : first + 1])
         rest_segment = MotionSegment(
-            "hold", stood, first, float(time[stood]), onset, level_before, level_before
+            "hold", rest_start, first, float(time[rest_start]), onset, level_before, level_before
         )  # fmt: skip
     ramp = MotionSegment("load", first, corner, onset, ramp_end, float(x[first]), level)
     hold = MotionSegment("hold", corner, last, ramp_end, hold_end, level, level)
@@ -245,14 +245,14 @@ def follow_contact(
 ) -> PlateMotion:
     """Return the motion without the ramps that end in air, before `contact` less `tolerance`, m."""
     segments = motion.cycle.segments
-    lifted_segments = [
+    ramps_in_air = [
         i
         for i, segment in enumerate(segments[:-2])
         if segment.kind == "load" and segment.level <= contact + tolerance
     ]
-    if not lifted_segments or segments[lifted_segments[-1] + 1].kind != "hold":
+    if not ramps_in_air or segments[ramps_in_air[-1] + 1].kind != "hold":
         return motion
-    first = lifted_segments[-1] + 2
+    first = ramps_in_air[-1] + 2
     cycle = RampHoldCycle(segments[first - 1], segments[first:])
     cycles = (*motion.cycles[: motion.cycle_index], cycle, *motion.cycles[motion.cycle_index + 1 :])
     plate_motion = _select_cycle(test, motion.sign, cycles, motion.cycle_index)
@@ -330,11 +330,11 @@ def _select_cycle(
     time, x = test.time, sign * test.displacement
     cycle, resolution = cycles[index], _resolution(test)
     ramp = cycle.ramp
-    stand = _select_rest(x, cycle.rest, ramp)
+    rest_level = _select_rest(x, cycle.rest, ramp)
     level = _find_hold(time, x, cycle)
     start = cycle.rest.first if cycle.rest is not None else ramp.first
-    line = ideal_ramp(time, x, ramp, origin=stand, level=level)
-    still_indices = np.flatnonzero(np.abs(x[start : line.first] - stand) <= resolution)
+    line = ideal_ramp(time, x, ramp, origin=rest_level, level=level)
+    still_indices = np.flatnonzero(np.abs(x[start : line.first] - rest_level) <= resolution)
     departure_index = (
         start + int(still_indices[-1])
         if cycle.rest is not None and still_indices.size
@@ -342,7 +342,7 @@ def _select_cycle(
     )
     return PlateMotion(
         sign=sign, cycles=cycles, cycle_index=index, straight_ramp=line,
-        rest_position=stand, hold_position=level, start=start,
+        rest_position=rest_level, hold_position=level, start=start,
         last_rest_sample=departure_index, stop=_find_last_held(x, cycle.hold, resolution),
     )  # fmt: skip
 

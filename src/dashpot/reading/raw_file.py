@@ -279,7 +279,7 @@ def _next_block(stream: BinaryIO, name: str) -> bytes:
     return block
 
 
-def extra(module: str, package: str, subject: str) -> Any:
+def import_extra(module: str, package: str, subject: str) -> Any:
     """Return an optional package's module, imported when a file needs it.
 
     Raises

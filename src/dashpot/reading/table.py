@@ -74,7 +74,7 @@ class LoadedColumns:
     lines : tuple of (row, line)
         First row of each unbroken run and its line in the file; empty for binary files.
     notes : tuple of str
-    doubts : tuple of (segment, Question)
+    questions : tuple of (segment, Question)
         Questions to answer before the numbers of a segment, counted from 0, can be trusted; None is
         every segment.
     above : tuple of tuple of str
@@ -86,7 +86,7 @@ class LoadedColumns:
     segments: tuple[str, ...] = ("",)
     lines: tuple[tuple[int, int], ...] = ()
     notes: tuple[str, ...] = ()
-    doubts: tuple[tuple[int | None, Question], ...] = ()
+    questions: tuple[tuple[int | None, Question], ...] = ()
     above: tuple[tuple[str, ...], ...] = ()
 
     def format_row_position(self, row: int) -> str:
@@ -112,7 +112,7 @@ class FileTable:
     header: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     simulated: bool = False
-    doubts: tuple[Question, ...] = ()
+    questions: tuple[Question, ...] = ()
     """Questions to answer before the numbers can be trusted."""
     hints: tuple[str, ...] = ()
     """Hints of the file at a sampling rate, if it has no time."""

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 Place: TypeAlias = Literal[
-    "", "test", "hammer", "response", "base", "bench", "level", "judged", "part"
+    "", "test", "hammer", "response", "base", "bench", "level", "standalone", "part"
 ]
 """Place of a kind in the app."""
 
@@ -70,12 +70,12 @@ class KindOfTest(NamedTuple):
     app_section : str
         Section of the app: ``"test"`` and ``"hammer"`` of a job, ``"response"`` (of a mass to a
         force), ``"base"`` (to a motion), ``"bench"`` and ``"level"`` fitted by themselves,
-        ``"judged"``, fitted by the kind alone, ``"part"`` of a door; empty if the app has none.
+        ``"standalone"``, fitted by the kind alone, ``"part"`` of a door; empty if the app has none.
     pages : mapping of str to str
         Result classes with a page of their own, and the function that renders it.
     app_form : str
-        Module with the form fields of the app (``ASKS``) and the fit from their values
-        (``answered``); empty if there are no fields.
+        Module with the form fields of the app (``FORM_FIELDS``) and the fit from their values
+        (``fit_form_files``); empty if there are no fields.
     alternative_kind : str
         Kind as which the user may take a file of this one, such as a rod.
     takes_one_file : bool

@@ -45,7 +45,7 @@ GRADE_MARKS = {"stop": "bad", "limit": "care", "note": "note"}
 MARK_ORDER = ("good", "note", "care", "bad")
 
 
-class Light(NamedTuple):
+class Indicator(NamedTuple):
     """One of the three indicators of the first screen: its mark and a short text."""
 
     name: str
@@ -114,7 +114,7 @@ def count_passed(checks: Iterable[Check], verdict_checks: Collection[Check]) -> 
 
 def make_study_indicators(
     study: Study, recommendation: Recommendation
-) -> tuple[Light, Light, Light]:
+) -> tuple[Indicator, Indicator, Indicator]:
     """Return the lights of the test, and of stiffness and damping against the hammer.
 
     Values of the joint model if it is recommended, else of the relaxation test alone: a failed
@@ -125,7 +125,11 @@ def make_study_indicators(
     comparison = study.joint_comparison if recommendation.joint else study.comparison
     if comparison is None:
         untested = "no hammer test"
-        return (test, Light("Stiffness", "note", untested), Light("Damping", "note", untested))
+        return (
+            test,
+            Indicator("Stiffness", "note", untested),
+            Indicator("Damping", "note", untested),
+        )
     return (
         test,
         _make_stiffness_light(study, recommendation, comparison),
@@ -140,7 +144,7 @@ def make_study_indicators(
 
 def _make_stiffness_light(
     study: Study, recommendation: Recommendation, comparison: Comparison
-) -> Light:
+) -> Indicator:
     """Return the light of the stiffness, against the hammer (K' = m w^2 / n at its peak) and test.
 
     A joint fit peaks where the hammer does with any mass. So its stiffness is held against the
@@ -171,7 +175,7 @@ def _make_stiffness_light(
             else f"hammer {hammer}"
         )
         text = f"K\N{PRIME}{NBSP}{model}, {other}{NBSP}N/mm"
-    return Light(
+    return Indicator(
         "Stiffness", class_name, f"{'agrees' if class_name in _PASSED_MARKS else 'misses'}, {text}"
     )
 
@@ -234,17 +238,19 @@ def _compute_excess(value: float, low: float, high: float) -> float:
     return max(low - value, value - high, 0.0) / max(abs(low if value < low else high), 1e-300)
 
 
-def make_test_light(checks: Iterable[Check]) -> Light:
+def make_test_light(checks: Iterable[Check]) -> Indicator:
     """Return the light of a test by its checks."""
     class_name = get_gravest_mark(checks)
     message = {"good": "valid", "note": "valid, with notes", "care": "limited", "bad": "not valid"}
-    return Light("Test", class_name, message[class_name])
+    return Indicator("Test", class_name, message[class_name])
 
 
-def _make_light(name: str, comparison: Comparison, check_names: set[str], difference: str) -> Light:
+def _make_light(
+    name: str, comparison: Comparison, check_names: set[str], difference: str
+) -> Indicator:
     class_name = get_gravest_mark(check for check in comparison.checks if check.name in check_names)
     text = "agrees" if class_name in {"good", "note"} else "misses"
-    return Light(name, class_name, f"{text}, {difference}")
+    return Indicator(name, class_name, f"{text}, {difference}")
 
 
 # -- numbers --------------------------------------------------------------------------------------

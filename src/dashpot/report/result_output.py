@@ -13,7 +13,7 @@ from typing import Any
 
 from dashpot import plot
 from dashpot.base.errors import ExportError
-from dashpot.base.option_fields import Drawn, get_choice_values
+from dashpot.base.option_fields import FigureFormat, get_choice_values
 from dashpot.base.serialisation import Serialisable
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
@@ -43,10 +43,10 @@ _TABLES: dict[type, Callable[..., str]] = {
 
 
 def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
-    """Write a record or a result, and return where it stands.
+    """Write a record or a result, and return its path.
 
     ``.json``: its document, which ``dashpot.read`` takes back where it has a schema; ``.png``,
-    ``.svg``, ``.pdf``: its picture; ``.html``: its page; ``.csv``: its numbers.
+    ``.svg``, ``.pdf``: its figure; ``.html``: its page; ``.csv``: its numbers.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
     outputs = Outputs(replace=overwrite, makes_records=isinstance(result, tuple(_TABLES)))
     suffix = file_path.suffix.lower().lstrip(".")
     writers = {"json": _write_document, "html": _write_page, "csv": _write_table}
-    if suffix in get_choice_values(Drawn):
+    if suffix in get_choice_values(FigureFormat):
         from dashpot.plot.figure_files import save as save_picture
 
         outputs.check_writable([file_path])
@@ -66,14 +66,16 @@ def save(result: Any, path: str | Path, *, overwrite: bool = False) -> Path:
     elif suffix in writers:
         outputs.write(file_path, writers[suffix](result, file_path.name))
     else:
-        suffixes = ", ".join(f".{writer}" for writer in (*writers, *get_choice_values(Drawn)))
+        suffixes = ", ".join(
+            f".{writer}" for writer in (*writers, *get_choice_values(FigureFormat))
+        )
         raise ExportError(f"{file_path.name}: a result is written as {suffixes}. Name the file so")
     return file_path
 
 
 def _picture(result: Any) -> Any:
     if not hasattr(result, "plot"):
-        raise ExportError(f"a {type(result).__name__} has no picture. Write it as .json")
+        raise ExportError(f"a {type(result).__name__} has no figure. Write it as .json")
     return result.plot()
 
 
@@ -118,7 +120,7 @@ def picture(result: object) -> Picture:
     """
     draw = figure_of(result)
     if draw is None:
-        raise TypeError(f"a {type(result).__name__} has no picture")
+        raise TypeError(f"a {type(result).__name__} has no figure")
     figure: Picture = draw(result)
     return figure
 

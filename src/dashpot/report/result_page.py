@@ -20,7 +20,7 @@ from dashpot.plot.picture import Panel, Picture
 from dashpot.registry import find_handler, page_of
 from dashpot.report import page_frame, tables
 from dashpot.report.figures import LEAD_WIDTH, RenderedFigure, render_figure
-from dashpot.report.first_screen import NOT_GIVEN, Light, Row, count_passed
+from dashpot.report.first_screen import NOT_GIVEN, Indicator, Row, count_passed
 from dashpot.report.page_frame import VERDICT_COLOURS, attachment, frame
 from dashpot.report.tables import TextTable
 
@@ -84,7 +84,7 @@ class KindPage:
         The tested specimen, in addition to the file names.
     summary_line : tuple of (str, str)
         The line of facts.
-    indicators : tuple of Light
+    indicators : tuple of Indicator
         None is worse than the verdict; together they are as bad.
     figure_title : str
         Title of the figure.
@@ -102,7 +102,7 @@ class KindPage:
 
     subject: str
     summary_line: tuple[tuple[str, str], ...]
-    indicators: tuple[Light, ...]
+    indicators: tuple[Indicator, ...]
     figure_title: str
     picture: Picture
     table_title: str
@@ -115,7 +115,7 @@ class KindPage:
 
 def make_indicators(
     checks: Iterable[Check], first: Topic, *other_topics: Topic
-) -> tuple[Light, ...]:
+) -> tuple[Indicator, ...]:
     """One indicator for each topic, with the grade of its worst check.
 
     Checks that no other topic names belong to the first one, which is omitted beside others if none
@@ -136,10 +136,10 @@ def make_indicators(
     )
 
 
-def _light(part: Topic, topic_checks: Sequence[Check]) -> Light:
+def _light(part: Topic, topic_checks: Sequence[Check]) -> Indicator:
     class_name, count = count_passed(topic_checks, topic_checks)
     text = part.message if class_name in {"good", "note"} else part.failure_text
-    return Light(
+    return Indicator(
         part.name, class_name, text or format_check_tally(topic_checks).rstrip(".") or count
     )
 

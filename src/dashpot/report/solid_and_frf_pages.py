@@ -85,7 +85,7 @@ def modes_page(modes: Modes) -> KindPage:
         summary_line=(("Hits", used_text), ("Averages", str(frf.averages)),
                ("Lines", str(len(frf.frequency))),
                ("Resolution", f"{frf.frequency[1] - frf.frequency[0]:.3g} Hz"),
-               ("Quantity", frf.quantity.value.replace("_", " "))),
+               ("Quantity", frf.quantity.label)),
         indicators=make_indicators(modes.checks, *topics),
         figure_title="Measured response",
         picture=modes.plot(),

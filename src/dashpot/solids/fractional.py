@@ -34,6 +34,7 @@ from dashpot.base.arrays import (
     convert_numbers_to_si,
     require_increasing,
     require_same_length,
+    to_complex,
     validate_samples,
 )
 from dashpot.base.errors import DataError
@@ -239,7 +240,7 @@ class FractionalZener(Solid, Serialisable):
 
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
         r"""Stiffness on the Laplace plane, N/m, `s` in 1/s, by the principal value of the power."""
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         power = (s * self.tau) ** self.alpha
         # of the glassy side, where the power is too large to be a number
         return np.asarray(self.k_0 - (self.k_0 - self.k_inf) / (1 + power) + self.b * s)

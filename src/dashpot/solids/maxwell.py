@@ -17,6 +17,7 @@ from dashpot.base.arrays import (
     convert_numbers_to_si,
     require_increasing,
     require_same_length,
+    to_complex,
     validate_samples,
 )
 from dashpot.base.errors import DataError
@@ -92,7 +93,7 @@ class Solid(ABC):
 
     def slope_at(self, s: npt.ArrayLike) -> ComplexArray:
         """Derivative of the stiffness by s, N s/m: by differences over a circle about `s`."""
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         # four points leave an error of the fourth power of the step
         circle_points = 1e-3 * np.abs(s)[..., None] * np.array([1, 1j, -1, -1j])
         return np.asarray(
@@ -437,7 +438,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
         `s` in 1/s; at :math:`s = j\omega` it is the complex stiffness, at :math:`s = j\omega + a`
         what an exponentially windowed test sees.
         """  # noqa: E501
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         k, tau = self._arms()
         product = s[..., None] * tau
         return np.asarray(self.k_inf + (product / (1 + product)) @ k + self.b * s)
@@ -447,7 +448,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
 
         Not finite at an arm's own pole.
         """
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         k, tau = self._arms()
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray((k * tau / (1 + s[..., None] * tau) ** 2).sum(axis=-1) + self.b)
@@ -455,7 +456,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
     def bend_at(self, s: npt.ArrayLike) -> ComplexArray:
         r"""Second derivative by s, N s^2/m: :math:`-2 \sum_j k_j \tau_j^2/(1+s\tau_j)^3`."""
         k, tau = self._arms()
-        denominator = 1 + np.asarray(s, dtype=complex)[..., None] * tau
+        denominator = 1 + to_complex(s)[..., None] * tau
         return np.asarray((-2 * k * tau**2 / denominator**3).sum(axis=-1))
 
     def arm_slopes(self, s: npt.ArrayLike) -> tuple[ComplexArray, ComplexArray]:
@@ -466,7 +467,7 @@ class GeneralizedMaxwell(Solid, Serialisable):
         .. math:: \frac{x}{1+x},\; \frac{k_j x}{(1+x)^2}, \qquad
                   \frac{\tau_j}{(1+x)^2},\; \frac{k_j\tau_j(1-x)}{(1+x)^3}
         """
-        s = np.asarray(s, dtype=complex)[:, None]
+        s = to_complex(s)[:, None]
         k, tau = self._arms()
         x, denominator, values = s * tau, 1 + s * tau, np.ones_like(s)
         return (

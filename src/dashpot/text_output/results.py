@@ -326,7 +326,7 @@ def render_impact(result: ImpactResult) -> Text:
 
 
 def _format_hits(hits: Sequence[Hit]) -> list[str]:
-    """Return the table of hits with their verdicts, and why one was rejected."""
+    """Return the table of hits with their verdicts, and each reason with the hits it is of."""
     rows = [["hit", "time, s", "peak, N", "pulse width, ms", "verdict"]]
     rows += [
         [
@@ -338,8 +338,12 @@ def _format_hits(hits: Sequence[Hit]) -> list[str]:
         ]
         for hit in hits
     ]
-    rejection_lines = (f"    {hit.name}: {reason}" for hit in hits for reason in hit.reasons)
-    return [*table(rows), *rejection_lines]
+    lines = [*table(rows)]
+    for reason in dict.fromkeys(reason for hit in hits for reason in hit.reasons):
+        names = [hit.name for hit in hits if reason in hit.reasons]
+        count_text = f"{len(names)} hits, " if len(names) > 1 else ""
+        lines.append(f"    {count_text}{', '.join(names)}: {reason}")
+    return lines
 
 
 def render_agreement(result: FRFComparison) -> Text:
@@ -396,9 +400,11 @@ def render_prediction(prediction: Prediction, levels: Sequence[str] = ()) -> Tex
     (hz, height), seals = prediction.peak, prediction.seals
     load_text = f"{format_quantity(prediction.mass, 'g', '.6g')} on {number_format.seals(seals)}"
     peak_name = "largest value" if prediction.is_peak_at_edge else "peak"
-    kind = prediction.frf.quantity.replace("_", " ")
     lines = [
-        f"{load_text}: {peak_name} of the {kind} {height:.5g} {prediction.frf.read} at {hz:.5g} Hz"
+        (
+            f"{load_text}: {peak_name} of the {prediction.frf.quantity.label} {height:.5g} "
+            f"{prediction.frf.read} at {hz:.5g} Hz"
+        )
     ]
     if prediction.height_between is not None:
         height_interval = number_format.interval(*prediction.height_between)

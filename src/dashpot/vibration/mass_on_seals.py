@@ -702,7 +702,7 @@ def remove_mount_mass(frf: FRF, *, mass: float, coupled: float) -> FRF:
 def _scale_relative_motion(frf: FRF, factor: float) -> FRF:
     """Return the motion relative to the base, so many times, as the kind that it was."""
     if not frf.quantity.over_base:
-        raise DataError(f"the FRF is a {frf.quantity}; expected a transmissibility")
+        raise DataError(f"the FRF is a {frf.quantity.label}; expected a transmissibility")
     relative = frf.to(Kind.RELATIVE_TRANSMISSIBILITY)
     sd = None if relative.sd is None else factor * relative.sd
     return replace(relative, value=factor * relative.value, sd=sd).to(frf.quantity)

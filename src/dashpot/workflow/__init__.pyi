@@ -3,7 +3,7 @@ from dashpot.export import deck_for as deck_for
 from dashpot.fitting.prediction_bounds import (
     unresolved_arm_band as unresolved_arm_band,
 )
-from dashpot.planning.assumed_seal import SupposedSeal as SupposedSeal
+from dashpot.planning.assumed_seal import AssumedSeal as AssumedSeal
 from dashpot.planning.plan import plan as plan
 from dashpot.planning.planned_ramp_hold import Bench as Bench
 from dashpot.reading.readers.inspect import inspect_file as inspect_file

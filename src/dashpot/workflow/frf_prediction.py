@@ -588,12 +588,12 @@ def _select_frf_kind(kind: str | None, *, base: bool, relative: bool) -> Kind:
 def _format_headline(frf: FRF, peak: tuple[float, float], fit: Fit, *, at_edge: bool) -> str:
     """Return where the predicted peak lies, how high it is, and where the model is valid."""
     hz, height = peak
-    name, unit = frf.quantity.replace("_", " "), frf.read
+    unit = frf.read
     height_text = f"{height:.4g}{f' {unit}' if unit != '1' else ''} at {hz:.4g} Hz"
     peak_text = (
-        f"the {name} is {height_text}, the end of the band"
+        f"the {frf.quantity.label} is {height_text}, the end of the band"
         if at_edge
-        else f"peak of the {name} {height_text}"
+        else f"peak of the {frf.quantity.label} {height_text}"
     )
     return f"{peak_text}. The model is valid {format_band(fit.band)}"
 

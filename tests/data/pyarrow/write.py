@@ -12,8 +12,10 @@ from pyarrow import feather
 
 HERE = Path(__file__).parent
 TIME = np.arange(600) * 0.05
-MOVED = np.clip(TIME - 1, 0, 1) * 2.0
-FORCE = np.where(TIME < 1, 0, 50 * MOVED * (0.6 + 0.4 * np.exp(-np.clip(TIME - 2, 0, None) / 3)))
+DISPLACEMENT = np.clip(TIME - 1, 0, 1) * 2.0
+FORCE = np.where(
+    TIME < 1, 0, 50 * DISPLACEMENT * (0.6 + 0.4 * np.exp(-np.clip(TIME - 2, 0, None) / 3))
+)
 
 
 def main() -> None:
@@ -24,7 +26,7 @@ def main() -> None:
         pa.field("remark", pa.string()),
     ]
     columns = [
-        pa.array(np.round(TIME * 1e6).astype("timedelta64[us]")), MOVED,
+        pa.array(np.round(TIME * 1e6).astype("timedelta64[us]")), DISPLACEMENT,
         (FORCE * 1e-3).astype("f4"), [""] * len(TIME),
     ]  # fmt: skip
     table = pa.table(columns, schema=pa.schema(fields))
@@ -35,7 +37,7 @@ def main() -> None:
         pa.field("travel", pa.float64(), metadata={"unit": "mm"}),
         pa.field("load", pa.float64(), metadata={"unit": "N", "gain": "10"}),
     ]
-    table = pa.table([TIME[:60], MOVED[:60], FORCE[:60]], schema=pa.schema(stated))
+    table = pa.table([TIME[:60], DISPLACEMENT[:60], FORCE[:60]], schema=pa.schema(stated))
     pq.write_table(table, HERE / "gain.parquet")
 
 

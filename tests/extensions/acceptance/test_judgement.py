@@ -10,7 +10,11 @@ import pytest
 
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.reported_values import ReportedValue
-from dashpot.extensions.acceptance.judgement import POWER, count_additional_tests, judge_interval
+from dashpot.extensions.acceptance.judgement import (
+    POWER_QUANTILE,
+    count_additional_tests,
+    judge_interval,
+)
 from dashpot.extensions.acceptance.limit_files import (
     parse_expression,
     read_limits,
@@ -83,7 +87,7 @@ def test_the_larger_number_of_tests_decides_nine_times_in_ten():
     """By 4000 simulated means of so many tests of a value that is true."""
     error, distance = 1.0, 0.8
     half = 1.96 * error
-    count = count_additional_tests(distance, None, 0.0, -half, half, quantile=POWER)
+    count = count_additional_tests(distance, None, 0.0, -half, half, quantile=POWER_QUANTILE)
     assert count is not None
     tests = count + 1
     means = np.random.default_rng(5).normal(0.0, error / math.sqrt(tests), 4000)

@@ -43,11 +43,11 @@ def write_loops(
     if shape == "triangle":
         x = 2 / np.pi * np.arcsin(x)
     noise = 1e-4 * np.random.default_rng(1).standard_normal((2, len(turns)))
-    moved = mean + size * x + noise[0]
+    shifted = mean + size * x + noise[0]
     force = unit * (K * (mean + size * x) + LOSS * size * v + 1.0 * bool(mean) + noise[1])
-    table = np.column_stack([turns / HERTZ, moved, force])[:, not clock :]
+    table = np.column_stack([turns / HERTZ, shifted, force])[:, not clock :]
     head = ["time [s],", ""][not clock] + "displacement [mm],force [N]"
-    path.write_text("\n".join([head, *(",".join(f"{v:.7g}" for v in one) for one in table), ""]))
+    path.write_text("\n".join([head, *(",".join(f"{v:.7g}" for v in item) for item in table), ""]))
     return path
 
 
@@ -68,10 +68,10 @@ def test_harmonic_cycles_without_a_clock_are_loops_and_triangles_a_load_deflecti
 ) -> None:
     path = write_loops(tmp_path / "a.csv", **loops)
     assert recognise(path).kind == kind
-    asked = inspect_file(path).questions
-    assert bool(asked) == (kind == "cyclic")
-    if asked:
-        assert "--rate 1000Hz" in asked[0].message
+    requested = inspect_file(path).questions
+    assert bool(requested) == (kind == "cyclic")
+    if requested:
+        assert "--rate 1000Hz" in requested[0].message
 
 
 def test_loops_without_a_clock_have_the_numbers_of_their_rate(tmp_path: Path) -> None:
@@ -93,8 +93,8 @@ def test_cycles_about_a_mean_are_no_load_deflection(
     with pytest.raises(DataError, match=r"loops about a mean.*--kind cyclic") as error:
         cld(read_cld(path))
     assert ("--rate 1000Hz" in str(error.value)) is not clock
-    said = ReadOptions(kind="cyclic", rate=None if clock else HERTZ * 100)
-    (line,) = level_files((path,), options=said).fit.lines
+    message = ReadOptions(kind="cyclic", rate=None if clock else HERTZ * 100)
+    (line,) = level_files((path,), options=message).fit.lines
     assert line.frequency_hz == pytest.approx(HERTZ, rel=1e-3)
 
 
@@ -128,13 +128,13 @@ def test_batch_row_of_loops_has_storage_and_loss_at_the_largest_amplitude(
 ) -> None:
     path = write_loops(tmp_path / "a.csv", amplitudes=amplitudes, clock=True, samples=200)
     entry = Entry(str(path))
-    found = make_row(entry, entry.hashes(), BatchOptions())
-    assert (found["kind"], found["outcome"]) == ("cyclic", "fitted")
-    assert {name: found[name] for name in ROW} == pytest.approx(ROW, rel=2e-3)
+    result = make_row(entry, entry.hashes(), BatchOptions())
+    assert (result["kind"], result["outcome"]) == ("cyclic", "fitted")
+    assert {name: result[name] for name in ROW} == pytest.approx(ROW, rel=2e-3)
     turn = 2 * np.pi * HERTZ * 5e-3  # a delay of 5 ms, the usual one, turns storage into loss
-    assert found["loop_loss_se_N_per_m"] == pytest.approx(turn * 3e3, rel=0.05)
-    assert found["verdict"] == level_files((path,)).verdict.use
-    softening = found["loop_softening"]
+    assert result["loop_loss_se_N_per_m"] == pytest.approx(turn * 3e3, rel=0.05)
+    assert result["verdict"] == level_files((path,)).verdict.use
+    softening = result["loop_softening"]
     assert softening is None if len(amplitudes) == 1 else abs(softening) < 2e-3
 
 
@@ -143,7 +143,7 @@ def test_lot_of_loops_is_evaluated_by_storage(tmp_path: Path) -> None:
         write_loops(tmp_path / f"p{number}.csv", clock=True, unit=unit)
     lot = dp.batch(tmp_path, jobs=1)
     assert lot.main == "loop_storage"
-    values = [float(one.mean) for one in lot.seals(lot.main)]
+    values = [float(seal.mean) for seal in lot.seals(lot.main)]
     assert values[1] / values[0] == pytest.approx(1.04, abs=1e-3)
 
 
@@ -154,7 +154,7 @@ def test_batch_row_of_loops_of_a_material_is_in_pascals(tmp_path: Path) -> None:
     lines = [f"{a:.3f};{b:.6f};{c:.7f}" for a, b, c in zip(t, strain, stress, strict=True)]
     (tmp_path / "m.csv").write_text("\n".join(["Time [s];Strain [%];Stress [MPa]", *lines, ""]))
     entry = Entry(str(tmp_path / "m.csv"))
-    found = make_row(entry, entry.hashes(), BatchOptions())
-    assert found["loop_storage_Pa"] == pytest.approx(3e6 * np.cos(0.1), rel=1e-3)
-    assert found["loop_loss_factor"] == pytest.approx(np.tan(0.1), rel=5e-3)
-    assert found["loop_amplitude"] == pytest.approx(0.02, rel=1e-3)
+    result = make_row(entry, entry.hashes(), BatchOptions())
+    assert result["loop_storage_Pa"] == pytest.approx(3e6 * np.cos(0.1), rel=1e-3)
+    assert result["loop_loss_factor"] == pytest.approx(np.tan(0.1), rel=5e-3)
+    assert result["loop_amplitude"] == pytest.approx(0.02, rel=1e-3)

@@ -33,10 +33,10 @@ def server():
         yield address.port, token
         run.terminate()
         out, err = run.communicate()
-    for said in (out, err):
-        assert CUSTOMER not in said
-        assert token not in said
-        assert "Traceback" not in said
+    for message in (out, err):
+        assert CUSTOMER not in message
+        assert token not in message
+        assert "Traceback" not in message
 
 
 @pytest.fixture
@@ -82,24 +82,24 @@ def test_a_rebound_name_another_page_and_a_missing_cookie_get_nothing(server, as
 
 def test_an_upload_without_a_length_is_refused_when_it_is_too_long(ask):
     blocks = (b"0.1,0.2\n" * (1 << 14) for _ in range(64))
-    status, said = ask("POST", "/api/files?name=long.csv", blocks)
+    status, message = ask("POST", "/api/files?name=long.csv", blocks)
     assert status == 413
-    assert "larger than 4 MB" in json.loads(said)["error"]
+    assert "larger than 4 MB" in json.loads(message)["error"]
 
 
 def test_what_is_in_a_file_and_what_it_is_called_are_in_no_log(ask):
     bad = f"{CUSTOMER}\ntime [s],force [N],displacement [mm]\n0,{CUSTOMER},1\n"
     for name in (f"{CUSTOMER}.csv", f"{CUSTOMER}" + "x" * 5000 + "%FF%00"):
-        status, said = ask("POST", f"/api/files?name={name.replace(' ', '%20')}", bad)
-        assert status == 200, said
-        file = json.loads(said)["id"]
+        status, message = ask("POST", f"/api/files?name={name.replace(' ', '%20')}", bad)
+        assert status == 200, message
+        file = json.loads(message)["id"]
         assert re.fullmatch("[0-9a-f]{16}", file)
         assert ask("POST", "/api/inspect", json.dumps({"file": file}))[0] in {200, 422}
         job = {"relaxation": file, "title": CUSTOMER}
-        status, said = ask("POST", "/api/settle", json.dumps({"job": job}))
-        assert status == 422, said
-    status, said = ask("POST", "/api/settle", "{" + CUSTOMER)
-    assert (status, json.loads(said)["error"]) == (422, "the request is not JSON")
+        status, message = ask("POST", "/api/settle", json.dumps({"job": job}))
+        assert status == 422, message
+    status, message = ask("POST", "/api/settle", "{" + CUSTOMER)
+    assert (status, json.loads(message)["error"]) == (422, "the request is not JSON")
     for body in ({"job": CUSTOMER}, {"file": CUSTOMER}, {"job": {CUSTOMER: 1}}):
         for verb in ("settle", "inspect"):
             assert ask("POST", f"/api/{verb}", json.dumps(body))[0] == 422
@@ -113,6 +113,6 @@ def test_who_goes_away_in_the_middle_leaves_nothing(server, ask):
         line.putheader("Content-Length", "1000000")
         line.endheaders()
         line.send(CUSTOMER.encode() * 100)
-    status, said = ask("GET", "/api/state")
+    status, message = ask("GET", "/api/state")
     assert status == 200
-    assert CUSTOMER.replace(" ", "_") not in said
+    assert CUSTOMER.replace(" ", "_") not in message

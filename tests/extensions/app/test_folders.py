@@ -68,11 +68,11 @@ def test_opened_project_restores_its_job(store, project):
     job, folder = project
     head = ask("folder", store, folder=str(folder))
     (test,) = head["tests"]
-    said = head["job"] | {
+    message = head["job"] | {
         "relaxation": test["id"], "reading": head["reading"], "joint": head["joint"],
         "specimen": head["job"]["specimen"] | {"temperature": head["temperatures"][0]},
     }  # fmt: skip
-    again = build_job(said, store.folder)
+    again = build_job(message, store.folder)
     assert replace(again, relaxation=job.relaxation) == job
     assert Path(again.relaxation).read_bytes() == Path(job.relaxation).read_bytes()
     assert ask("recent", store)["recent"][0]["folder"] == str(folder)
@@ -91,13 +91,13 @@ def test_a_page_says_a_job_as_the_job_is(store, text):
         reading_impact=ReadOptions(acceleration=("3", "4")),
     )  # fmt: skip
     page = describe_job(whole)
-    told = json.loads(json.dumps(page))
-    asked = told["job"] | {"relaxation": test} | {
-        name: told[name] for name in ("joint", "reading", "reading_impact")
+    answer = json.loads(json.dumps(page))
+    requested = answer["job"] | {"relaxation": test} | {
+        name: answer[name] for name in ("joint", "reading", "reading_impact")
     }  # fmt: skip
-    assert build_job(asked, store.folder) == whole
-    known = {"relaxation", "other_tests", "impact", "temperatures", "impact_temperature", "logo"}
-    assert {one.name for one in fields(Job)} - known <= set(asked)
+    assert build_job(requested, store.folder) == whole
+    expected = {"relaxation", "other_tests", "impact", "temperatures", "impact_temperature", "logo"}
+    assert {field.name for field in fields(Job)} - expected <= set(requested)
 
 
 def test_a_project_that_names_a_file_outside_gives_none(store, project, tmp_path):
@@ -158,11 +158,11 @@ def test_a_lot_shows_its_table_and_opens_the_tests_that_it_knows(store, tmp_path
     row = ask("row", store, folder=str(tmp_path / "lot"), sha256=wanted)
     job = row["job"] | {"relaxation": row["files"][0]["id"]}
     fit = json.loads(ask("take", store, job=job, what="fit")["text"])
-    found = made.table.filter(made.table["sha256"] == wanted).row(0, named=True)
-    assert fit["model"]["k_inf"] == found["k_inf_N_per_m"]
+    result = made.table.filter(made.table["sha256"] == wanted).row(0, named=True)
+    assert fit["model"]["k_inf"] == result["k_inf_N_per_m"]
     # of k_inf a test alone says the most: a fit's document writes 0 below it, a table nothing
-    assert fit["interval_95"]["k_inf"] == [0.0, found["k_inf_high_N_per_m"]]
-    assert found["k_inf_low_N_per_m"] is None
+    assert fit["interval_95"]["k_inf"] == [0.0, result["k_inf_high_N_per_m"]]
+    assert result["k_inf_low_N_per_m"] is None
     with pytest.raises(dp.DataError, match="no test with that hash"):
         ask("row", store, folder=str(tmp_path / "lot"), sha256="../../etc/passwd")
     (tests / "lot1_seal1.csv").write_text("something else")
@@ -193,8 +193,8 @@ def test_rows_of_one_file_open_the_specimen_that_each_is_of(store, tmp_path):
         assert entry["file"].endswith(f"[{entry['part']} {file['specimen']}]")
     # the page asks of a file that is opened by the same identities
     first = store.put("pair.csv", (tmp_path / "pair.csv").read_bytes())
-    asked = ask("inspect", store, file=first, options={})["specimens"]
-    assert {one["id"] for one in asked} == identities
+    requested = ask("inspect", store, file=first, options={})["specimens"]
+    assert {item["id"] for item in requested} == identities
     with pytest.raises(dp.DataError, match="no test with that hash"):
         ask("row", store, folder=str(tmp_path / "lot"), sha256=entries[0]["sha256"])
 
@@ -215,7 +215,7 @@ def test_the_list_of_folders_bears_what_happens_to_it(state, tmp_path):
         (tmp_path / f"p{i}").mkdir()
         recent.add_recent_folder(tmp_path / f"p{i}")
     recent.add_recent_folder(tmp_path / "p5")
-    names = [one["name"] for one in recent.list_recent_folders()]
+    names = [list_recent_folder["name"] for list_recent_folder in recent.list_recent_folders()]
     assert names[:2] == ["p5", f"p{recent.MAX_FOLDERS + 1}"]
     assert len(names) == recent.MAX_FOLDERS
     (tmp_path / "p5").rmdir()

@@ -138,7 +138,7 @@ def test_upload_over_the_limit_is_refused_during_transfer(desk, monkeypatch):
     with pytest.raises(upload_store.TooLargeError, match="larger than"):
         asyncio.run(desk.store.keep("../../endless.csv", endless(), limit=10_000))
     assert sent == 17
-    assert [one.name for one in desk.store.folder.iterdir()] == [".lock"]
+    assert [item.name for item in desk.store.folder.iterdir()] == [".lock"]
 
 
 @pytest.mark.parametrize(

@@ -37,15 +37,15 @@ def make_hits(*accepted, rejected=()):
 def test_hit_of_another_mode_is_rejected():
     single = {name: frf(scatter=0.01, seed=int(name)) for name in "12345"}
     single["3"] = frf(hertz=12.6, scatter=0.01)
-    found = propose_hits(frf(hits=make_hits(*"12345")), single)
-    assert found.drop == ("3",)
-    assert found.keep == ("1", "2", "4", "5")
-    assert found.message.startswith("Keep 1, 2, 4, 5")
+    result = propose_hits(frf(hits=make_hits(*"12345")), single)
+    assert result.drop == ("3",)
+    assert result.keep == ("1", "2", "4", "5")
+    assert result.message.startswith("Keep 1, 2, 4, 5")
     # of both FRFs in closed form
     at = (LINES > 12 / 2.3) & (LINES < 12 * 2.3)
     true, other = accelerance(12.0, 0.03)[1][at], accelerance(12.6, 0.03)[1][at]
     off = np.linalg.norm(other - true) / np.linalg.norm(true)
-    assert found.deviations["3"] == pytest.approx(off, rel=0.05)
+    assert result.deviations["3"] == pytest.approx(off, rel=0.05)
 
 
 def test_hits_with_equal_scatter_are_all_accepted():
@@ -63,14 +63,14 @@ def test_at_least_three_hits_remain():
 
 def test_what_was_rejected_for_its_pulse_is_not_proposed():
     single = {name: frf(scatter=0.01, seed=int(name)) for name in "12345"}
-    found = propose_hits(frf(hits=make_hits(*"1235", rejected="4")), single)
-    assert found.keep == ("1", "2", "3", "5")
+    result = propose_hits(frf(hits=make_hits(*"1235", rejected="4")), single)
+    assert result.keep == ("1", "2", "3", "5")
 
 
 def test_two_hits_are_not_compared():
-    found = propose_hits(frf(hits=make_hits(*"12")), {name: frf() for name in "12"})
-    assert not found.deviations
-    assert "at least three" in found.message
+    result = propose_hits(frf(hits=make_hits(*"12")), {name: frf() for name in "12"})
+    assert not result.deviations
+    assert "at least three" in result.message
 
 
 def test_a_softer_blow_that_reaches_less_far_is_compared_where_it_does():

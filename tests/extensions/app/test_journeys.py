@@ -63,17 +63,17 @@ def window(browser, address):
 @pytest.fixture
 def visit(browser, address, window):
     """Open the app as new, drop files on it; nothing may have gone wrong when it is left."""
-    left = []
+    remaining = []
 
     def open_page(*paths, **how):
         page = Page(browser, address, **how) if how else window.anew()
-        left.append(page)
+        remaining.append(page)
         if paths:
             page.at.locator("#pick").set_input_files([str(path) for path in paths])
         return page
 
     yield open_page
-    for page in left:
+    for page in remaining:
         page.leave() if page is window else page.close()
 
 
@@ -295,11 +295,11 @@ def test_compliance_of_the_machine_is_typed_and_stiffens_the_seal(visit, files):
         return rows.filter(has_text="k∞").get_by_role("cell").first.inner_text()
 
     before = stiffness()
-    for text, said in (("300", "300um/N"), ("0,3 mm/N", "300um/N"), ("0", "0um/N")):
+    for text, message in (("300", "300um/N"), ("0,3 mm/N", "300um/N"), ("0", "0um/N")):
         typed.fill(text)
         typed.press("Tab")
         page.done()
-        command.filter(has_text=f"--machine compliance={said}").wait_for()
+        command.filter(has_text=f"--machine compliance={message}").wait_for()
         assert typed.input_value() == text.replace(",", ".")
         assert (stiffness() == before) == (text == "0")
     typed.fill("5 furlongs")
@@ -329,11 +329,13 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     page.at.mouse.down()
     for step in range(1, 9):
         page.at.mouse.move(box["x"] + box["width"] / 2 - 8 * step, box["y"] + 40)
-    page.at.locator("#beside table").wait_for()
+    page.at.locator("#both-fits table").wait_for()
     verdict = page.at.get_by_role("region", name="Verdict")
     verdict.get_by_text("While you drag", exact=True).wait_for()
-    said = r"Hold end [\d.]+ s, was 42\.500 s\. k after [\d.]+ s .*, was k after 40 s [\d.]+ N/mm\."
-    verdict.get_by_text(re.compile(said)).wait_for()
+    message = (
+        r"Hold end [\d.]+ s, was 42\.500 s\. k after [\d.]+ s .*, was k after 40 s [\d.]+ N/mm\."
+    )
+    verdict.get_by_text(re.compile(message)).wait_for()
     page.at.mouse.up()
     page.done()
     assert re.search(r"--time-limits hold-end=[\d.]+s", page.at.locator("#command").inner_text())
@@ -341,16 +343,16 @@ def test_a_handle_is_dragged_and_the_fit_follows(visit, files):
     page.at.get_by_role("button", name="change", exact=True).click()
     page.at.get_by_role("button", name="as found", exact=True).click()
     page.done()
-    command, moved = page.at.locator("#command"), handle.get_attribute("aria-valuenow")
+    command, shifted = page.at.locator("#command"), handle.get_attribute("aria-valuenow")
     assert "hold-end=" not in command.inner_text()
     page.at.keyboard.press("Control+z")
     command.filter(has_text="hold-end=").wait_for()
     page.done()
-    assert handle.get_attribute("aria-valuenow") != moved
+    assert handle.get_attribute("aria-valuenow") != shifted
     page.at.keyboard.press("Control+z")
     command.filter(has_not_text="hold-end=").wait_for()
     page.done()
-    assert handle.get_attribute("aria-valuenow") == moved
+    assert handle.get_attribute("aria-valuenow") == shifted
 
 
 def test_the_way_back_stays_at_the_file_that_is_shown(visit, files):
@@ -384,18 +386,18 @@ def test_everything_goes_by_keyboard(visit, files):
     page.at.bring_to_front()  # a page behind others opens no chooser
     page.at.on("filechooser", lambda _: None)  # the browser hands it over from now on
     page.still()
-    with page.at.expect_file_chooser() as asked:
+    with page.at.expect_file_chooser() as requested:
         page.at.keyboard.press("o")
-    asked.value.set_files(str(files / "seal_8mm.csv"))
+    requested.value.set_files(str(files / "seal_8mm.csv"))
     page.done()
     tab_to(page, "ramp end")
     handle = page.at.get_by_role("slider", name="ramp end")
-    found = float(handle.get_attribute("aria-valuenow"))
+    result = float(handle.get_attribute("aria-valuenow"))
     page.at.keyboard.press("Shift+ArrowRight")
     command.filter(has_text="ramp-end=").wait_for()
     step = 1 / 200
     assert float(handle.get_attribute("aria-valuenow")) == pytest.approx(
-        found + 10 * step, abs=step
+        result + 10 * step, abs=step
     )
     assert "ramp end" in handle.get_attribute("aria-valuetext")
     page.at.keyboard.press("2")
@@ -474,8 +476,8 @@ def test_a_long_computation_is_cancelled(visit, files, server):
 
     def stand_still(route):
         """Who computes would never end by itself."""
-        for one in children(server[1]):
-            os.kill(one, signal.SIGSTOP)
+        for item in children(server[1]):
+            os.kill(item, signal.SIGSTOP)
         route.continue_()
 
     def is_cancelled():
@@ -484,8 +486,8 @@ def test_a_long_computation_is_cancelled(visit, files, server):
         )
         cancel.click()
         status.filter(has_text="cancelled").wait_for()
-        for one in children(server[1]):
-            os.kill(one, signal.SIGCONT)
+        for item in children(server[1]):
+            os.kill(item, signal.SIGCONT)
 
     page.at.route("**/api/study", stand_still, times=1)
     page.at.locator("#mass").fill("117.3")
@@ -632,11 +634,11 @@ def test_an_instrument_is_read_and_what_it_sent_is_fitted(visit, tmp_path):
         page.still()
         assert page.at.evaluate(CONTRAST) == []
         assert page.at.evaluate("document.documentElement.scrollWidth") <= width
-    (kept,) = tmp_path.glob("record-*.csv")
-    assert kept.read_text().endswith("# 42501 rows recorded\n")
+    (selected,) = tmp_path.glob("record-*.csv")
+    assert selected.read_text().endswith("# 42501 rows recorded\n")
     page.at.get_by_role("button", name="Fit this").click()
     page.at.set_viewport_size({"width": 1366, "height": 768})
-    page.file(kept.name).wait_for()
+    page.file(selected.name).wait_for()
     page.done()
     assert "8.00 mm" in page.at.locator(".files").inner_text()
     # it is one of the page's files now, and comes once
@@ -829,22 +831,22 @@ def test_typed_limits_are_compared_survive_a_reload_and_reach_the_report(visit, 
     lines = page.at.get_by_label("Limits, one per line")
     lines.fill("frequency >= 12Hz")
     lines.press("Enter")
-    found = page.at.get_by_role("region", name="Limits")
-    found.get_by_role("heading", name="Seal: meets the limit").wait_for()
+    result = page.at.get_by_role("region", name="Limits")
+    result.get_by_role("heading", name="Seal: meets the limit").wait_for()
     lines.press_sequentially("damping >= 5%")
     page.at.keyboard.press("Tab")
-    found.get_by_role("heading", name="Seal: misses 1 of 2 limits").wait_for()
-    assert found.get_by_role("row").filter(has_text="damping").get_by_text("missed").count() == 1
+    result.get_by_role("heading", name="Seal: misses 1 of 2 limits").wait_for()
+    assert result.get_by_role("row").filter(has_text="damping").get_by_text("missed").count() == 1
     # the seal misses a limit; the model is as good as before
     assert page.at.get_by_role("region", name="Verdict").inner_text() == verdict
     command = page.at.locator("#command")
     command.filter(has_text="--limit 'damping >= 5%'").wait_for()
     (tmp_path / "limits.toml").write_text('[peak]\nupper = "1000"\n')
     page.at.locator("#pick").set_input_files(str(tmp_path / "limits.toml"))
-    found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
+    result.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
     command.filter(has_text="--limits limits.toml").wait_for()
     page.at.reload()
-    found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
+    result.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
     assert lines.input_value().splitlines() == ["frequency >= 12Hz", "damping >= 5%"]
     page.done()
     with page.at.expect_download() as taken:
@@ -853,10 +855,10 @@ def test_typed_limits_are_compared_survive_a_reload_and_reach_the_report(visit, 
     lines.fill("damping >= 5")
     page.at.keyboard.press("Tab")
     page.at.get_by_role("alert").filter(has_text="write 5% if that is meant").wait_for()
-    assert not found.is_visible()
+    assert not result.is_visible()
     page.at.get_by_role("region", name="Verdict").click()  # in a field it undoes what was typed
     page.at.keyboard.press("Control+z")
-    found.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
+    result.get_by_role("heading", name="Seal: misses 1 of 3 limits").wait_for()
     assert page.at.get_by_role("region", name="Verdict").inner_text() == verdict
 
 
@@ -909,17 +911,17 @@ GOLDEN = Path(__file__).parent / "golden"
 def tree(page, part="body"):
     """Return what a screen reader reads, less what another result would change: numbers,
     judgements."""
-    told = page.at.locator(part).aria_snapshot()
-    told = re.sub(r" [0-9a-f]{8}, (of|changed)[^\"\n]*", "", told)  # of the contents
-    told = re.sub(r"[−-]?\d[\d.,]*", "#", told)
-    told = re.sub(
+    text = page.at.locator(part).aria_snapshot()
+    text = re.sub(r" [0-9a-f]{8}, (of|changed)[^\"\n]*", "", text)  # of the contents
+    text = re.sub(r"[−-]?\d[\d.,]*", "#", text)
+    text = re.sub(
         r"(strong|paragraph): \"?(Use|Do not use|From|The damping at|The predicted damping)\b.*",
         r"\1: ...",
-        told,
+        text,
     )
-    told = re.sub(r"(?m)^( +- img) \"(stop|limit|note)\"\n +- text: .*", r"\1: ...", told)
-    told = re.sub(r"(?s)( +- listitem:\n +- img: \.\.\.\n)\1+", r"\1", told + "\n")
-    return re.sub("not determined", "determined", told)
+    text = re.sub(r"(?m)^( +- img) \"(stop|limit|note)\"\n +- text: .*", r"\1: ...", text)
+    text = re.sub(r"(?s)( +- listitem:\n +- img: \.\.\.\n)\1+", r"\1", text + "\n")
+    return re.sub("not determined", "determined", text)
 
 
 def held_to(name, told):
@@ -1055,8 +1057,8 @@ class RecordedServer:
         if self.instead == "gone":
             route.abort()
         elif self.instead:
-            status, said = self.instead
-            route.fulfill(status=status, json={"error": said})
+            status, message = self.instead
+            route.fulfill(status=status, json={"error": message})
         elif verb in self.kept:
             route.fulfill(body=self.kept[verb], content_type="application/octet-stream")
         else:
@@ -1072,11 +1074,11 @@ FEW = {"mass", "hit", "removed"}
 @pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, files, every):
     page = visit()
-    told, verdict = RecordedServer(page), page.at.get_by_role("region", name="Verdict")
-    told.instead = (409, "cancelled")  # the study of the other tab is not needed
+    text, verdict = RecordedServer(page), page.at.get_by_role("region", name="Verdict")
+    text.instead = (409, "cancelled")  # the study of the other tab is not needed
     page.at.get_by_role("button", name="Try the example").click()
     verdict.get_by_role("button", name="Judge it").wait_for()
-    told.instead = None
+    text.instead = None
     page.at.evaluate(WATCH)
 
     def colours(change):
@@ -1097,11 +1099,11 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
         page.at.locator("#verdict.good").wait_for()
     page.at.keyboard.press("Control+z")  # the hammer is back
     page.at.locator("#verdict.good").wait_for()
-    told.instead = (422, "no hit is left")
+    text.instead = (422, "no hit is left")
     page.at.evaluate(CHANGE % "document.querySelector('[data-hit]').click()")
     verdict.get_by_text("Do not use: no hit is left").wait_for()
     assert page.at.evaluate("document.activeElement.id") == "cure"
-    told.instead = None
+    text.instead = None
     verdict.get_by_role("button", name="Accept all that pass").click()
     page.at.locator("#verdict.good").wait_for()
     for seals, instead, colour, cure in (
@@ -1112,20 +1114,20 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
     ):
         if not every and seals != 4:
             continue
-        told.instead = instead
+        text.instead = instead
         assert colours(f"type('#seals', '{seals}')") <= {"verdict open", f"verdict {colour}"}
         page.at.locator(f"#verdict.{colour}").wait_for()
-        told.instead = None
+        text.instead = None
         assert page.at.get_by_role("button", name="Report").is_disabled() == (colour == "bad")
         verdict.get_by_role("button", name=cure).click()
         page.at.locator("#verdict.good").wait_for()
     # a cancel ends also what would have followed
-    told.asked.clear()
+    text.asked.clear()
     assert colours("type('#mass', '113'); document.getElementById('cancel').click()") == {
         "verdict open"
     }
     verdict.get_by_role("button", name="Judge it").wait_for()
-    assert told.asked == ["settle"]
+    assert text.asked == ["settle"]
     # what stands in a field is no answer yet
     page.at.locator("#mass").fill("200")
     page.at.locator("#verdict.open").wait_for()
@@ -1143,7 +1145,9 @@ def test_no_frame_is_green_that_is_not_settled_and_of_all_open_files(visit, file
     after = page.at.evaluate("from => window.seen.frames.slice(from)", len(frames))
     assert "verdict good" not in {colour for colour, _ in after}
     assert solid
-    page.complaints[:] = [one for one in page.complaints if "ERR_FAILED" not in one]
+    page.complaints[:] = [
+        complaint for complaint in page.complaints if "ERR_FAILED" not in complaint
+    ]
 
 
 @pytest.mark.slow
@@ -1158,8 +1162,12 @@ def test_a_newcomer_goes_from_files_by_a_wrong_mass_to_a_deck_without_a_wrong_gr
         return {colour.removeprefix("verdict").strip() for colour, _ in frames}
 
     page.at.locator("#pick").set_input_files([str(files / name) for name in workflow.FIRST])
-    for field, said in (("specimen-length", "100"), ("specimen-temperature", "23"), ("seals", "2")):
-        page.at.locator(f"#{field}").fill(said)
+    for field, message in (
+        ("specimen-length", "100"),
+        ("specimen-temperature", "23"),
+        ("seals", "2"),
+    ):
+        page.at.locator(f"#{field}").fill(message)
     page.at.locator("#mass").fill("200")
     page.at.locator("#mass").press("Enter")
     cure = verdict.get_by_role("button", name=re.compile(r"^Set 11[45]\.\d+ g$"))

@@ -37,9 +37,9 @@ def store():
 def test_store_clears_files_of_a_killed_server(store, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     living, dead, other = Store(), tmp_path / "dashpot-dead", tmp_path / "dashpot-other"
-    for one in (dead, other):
-        one.mkdir()
-        (one / "customer.csv").write_text("1")
+    for item in (dead, other):
+        item.mkdir()
+        (item / "customer.csv").write_text("1")
     (dead / ".lock").touch()
     remove_stale_stores()
     assert sorted(tmp_path.iterdir()) == sorted([living.folder, other])
@@ -125,16 +125,16 @@ def test_killed_server_leaves_no_process():
         address = server.stdout.readline()
         assert address.startswith("http://127.0.0.1:")
         until = time.monotonic() + 20
-        while len(found := children(server.pid)) < 3 and time.monotonic() < until:
+        while len(result := children(server.pid)) < 3 and time.monotonic() < until:
             time.sleep(0.05)
-        assert len(found) == 3
-        folder = Path(Path(f"/proc/{found[0]}/cmdline").read_bytes().split(b"\0")[-2].decode())
+        assert len(result) == 3
+        folder = Path(Path(f"/proc/{result[0]}/cmdline").read_bytes().split(b"\0")[-2].decode())
         assert folder.is_dir()
         os.kill(server.pid, signal.SIGKILL)
     until = time.monotonic() + 20
-    while any(map(alive, found)) and time.monotonic() < until:
+    while any(map(alive, result)) and time.monotonic() < until:
         time.sleep(0.05)
-    assert not any(map(alive, found))
+    assert not any(map(alive, result))
     assert not folder.exists()
 
 
@@ -163,16 +163,16 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
         file = json.loads(read_response(send_request("/api/files?name=seal.csv", seal))[1])["id"]
         inspect = "/api/inspect", json.dumps({"file": file})
         # who reads or computes stands still: it would never end by itself
-        for one in children(run.pid):
-            os.kill(one, signal.SIGSTOP)
+        for item in children(run.pid):
+            os.kill(item, signal.SIGSTOP)
         reading = send_request(*inspect)
         while not json.loads(read_response(send_request("/api/cancel", ""))[1])["cancelled"]:
             time.sleep(0.05)
         assert read_response(reading)[0] == 409
         status, body = read_response(send_request(*inspect))
         assert (status, wire_format.decode_message(body)[0]["kind"]) == (200, "relaxation")
-        for one in children(run.pid):
-            os.kill(one, signal.SIGSTOP)
+        for item in children(run.pid):
+            os.kill(item, signal.SIGSTOP)
         send_request(*inspect)
         send_request("/api/study", json.dumps({"job": {"relaxation": file}}))
         half = open_.enter_context(
@@ -186,8 +186,8 @@ def test_a_reading_can_be_cancelled_and_an_interrupt_ends_it_whatever_it_does():
         time.sleep(0.3)
         run.send_signal(signal.SIGINT)
         # those that it waits for stand still for ever
-        _, said = run.communicate(timeout=60)
-        assert "Traceback" not in said
+        _, message = run.communicate(timeout=60)
+        assert "Traceback" not in message
 
 
 @ON_LINUX
@@ -202,17 +202,17 @@ def test_a_worker_gives_back_what_a_long_record_took():
         "full = size(); del held; kept = size()\n"
         "trim_memory(1 << 40); same = size(); trim_memory(1 << 20); print(full, kept, same, size())"
     )
-    said = subprocess.run(
+    message = subprocess.run(
         [sys.executable, "-c", script],
         env=get_long_lived_env(),
         capture_output=True,
         text=True,
         check=True,
     ).stdout
-    full, kept, same, left = map(int, said.split())
-    assert kept > 0.9 * full
-    assert same == pytest.approx(kept, rel=0.01)
-    assert left < 0.5 * full
+    full, selected, same, remaining = map(int, message.split())
+    assert selected > 0.9 * full
+    assert same == pytest.approx(selected, rel=0.01)
+    assert remaining < 0.5 * full
 
 
 def test_a_worker_without_questions_collects_its_garbage(monkeypatch):

@@ -55,7 +55,7 @@ def store(home):
 
 @pytest.fixture(scope="module")
 def ids(store, home):
-    return {one.name: store.put(one.name, one.read_bytes()) for one in sorted(home.iterdir())}
+    return {item.name: store.put(item.name, item.read_bytes()) for item in sorted(home.iterdir())}
 
 
 @pytest.fixture
@@ -83,15 +83,17 @@ def ask(verb, store, **request):
 def test_levels_are_fitted_as_by_the_command(store, ids, names, more, shown):
     kinds = {ask("inspect", store, file=ids[name])["mark"] for name in names}
     assert kinds == {"good"}
-    given = {key: list(value) if isinstance(value, tuple) else value for key, value in more.items()}
-    request = {"files": [ids[name] for name in names], "mass": "104g", "seals": 2, **given}
-    told = ask("level", store, **request)
+    stated = {
+        key: list(value) if isinstance(value, tuple) else value for key, value in more.items()
+    }
+    request = {"files": [ids[name] for name in names], "mass": "104g", "seals": 2, **stated}
+    text = ask("level", store, **request)
     figures, *terms = shown
-    assert len(told["figures"]) == figures
-    words = re.sub(r"\s+", " ", re.sub("<[^>]*>", "", told["solid"]))
-    assert all(one in words for one in terms), words
+    assert len(text["figures"]) == figures
+    words = re.sub(r"\s+", " ", re.sub("<[^>]*>", "", text["solid"]))
+    assert all(term in words for term in terms), words
     assert "unknown" not in words
-    shell = ran(*shlex.split(told["command"])[1:], "--json")
+    shell = ran(*shlex.split(text["command"])[1:], "--json")
     taken = ask("take-level", store, **request)
     assert taken["name"] == "levels.json"
     assert taken["text"] == shell.stdout.rstrip("\n")

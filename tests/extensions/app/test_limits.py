@@ -55,7 +55,7 @@ def test_limits_of_a_page_have_the_outcomes_of_its_command(store, home):
     head = ask("study", store, job=job, limits=limits)
     typed = ran(*shlex.split(head["command"])[1:], "--json")
     acceptance = json.loads(typed.stdout)["acceptance"]
-    assert outcomes(head["limits"]["html"]) == [one["outcome"] for one in acceptance["limits"]]
+    assert outcomes(head["limits"]["html"]) == [limit["outcome"] for limit in acceptance["limits"]]
     assert len(acceptance["limits"]) == 3
     assert not head["limits"]["refusal"]
     assert head["verdict"] == ask("study", store, job=job)["verdict"]
@@ -95,15 +95,17 @@ def test_a_fault_of_a_limit_file_has_its_name_and_no_folder(store, home):
 def test_a_limit_of_a_life_is_shown_as_it_was_stated(store, home):
     files = put(store, home, "ovens.csv")
     limits = {"typed": ["life >= 295000 h"]}
-    said = {"use_at": "40"}
-    head = ask("judged", store, kind="csr", files=files, said=said, limits=limits)
+    message = {"use_at": "40"}
+    head = ask("standalone", store, kind="csr", files=files, form_values=message, limits=limits)
     html = head["limits"]["html"].replace("\N{NO-BREAK SPACE}", " ")
     assert "at least 295000 h" in html
     (low,) = re.findall(r'"n low">([\d.e]+)<', html)
     # the end is below the limit, and is not rounded to above it
     assert outcomes(html) == ["open"]
     assert float(low) < 295000
-    taken = ask("take-judged", store, kind="csr", files=files, said=said, limits=limits)
+    taken = ask(
+        "take-standalone", store, kind="csr", files=files, form_values=message, limits=limits
+    )
     assert json.loads(taken["text"])["acceptance"]["limits"][0]["outcome"] == "open"
 
 
@@ -112,20 +114,22 @@ def test_a_machine_file_is_the_machine_of_the_job_and_names_its_age(store, home)
     files = put(store, home, *blanks)
     for file in files:
         row = ask("inspect", store, file=file, options={"kind": "blank"})
-        assert (row["page"], row["mark"]) == ("judged", "good")
-    said, options = {"spring_stiffness": "1"}, {"kind": "blank"}
-    head = ask("judged", store, kind="blank", files=files, said=said, options=options)
+        assert (row["page"], row["mark"]) == ("standalone", "good")
+    message, options = {"spring_stiffness": "1"}, {"kind": "blank"}
+    head = ask("standalone", store, kind="blank", files=files, form_values=message, options=options)
     assert head["colour"] == "good"
     assert ran(*shlex.split(head["command"])[1:], "-o", "rig.toml").exit_code == 0
-    saved = ask("take-judged", store, kind="blank", files=files, said=said, options=options)
+    saved = ask(
+        "take-standalone", store, kind="blank", files=files, form_values=message, options=options
+    )
     assert saved["text"] == (home / "rig.toml").read_text()
     (rig,) = put(store, home, saved["name"], text=saved["text"])
     row = ask("inspect", store, file=rig)
     assert row["page"] == "machine"
     assert re.fullmatch(r"machine file, measured \d{4}-\d\d-\d\d \(today\)", row["line"])
     (seal,) = put(store, home, "rig_seal.csv")
-    found = ask("study", store, job={"relaxation": seal, "machine": rig})
-    assert found["command"] == "dashpot report rig_seal.csv --machine rig.toml"
+    result = ask("study", store, job={"relaxation": seal, "machine": rig})
+    assert result["command"] == "dashpot report rig_seal.csv --machine rig.toml"
     job = {"relaxation": seal, "machine": rig}
     report = ask("take", store, job=job, what="report")["text"]
     assert "machine file rig.toml" in report

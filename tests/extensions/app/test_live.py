@@ -38,16 +38,16 @@ def test_a_curve_is_thinned_evenly_and_keeps_every_peak(block: int):
 
 
 def test_a_record_goes_from_start_to_a_file_that_can_be_fitted(live, tmp_path):
-    assert live.describe_state(0, 0)["kept"] is None
+    assert live.describe_state(0, 0)["saved_file"] is None
     live.start({"driver": "simulated", "speed": "1e9", "folder": str(tmp_path)})
     live._thread.join()
     seen = live.describe_state(1e9, -1)
     assert (seen["running"], seen["rows"], seen["failed"]) == (False, 42501, "")
-    (kept,) = tmp_path.glob("record-*.csv")
-    assert seen["message"].endswith(f"kept in {kept}")
-    assert [one["name"] for one in seen["drawn"]] == ["displacement [mm]", "force [N]"]
+    (selected,) = tmp_path.glob("record-*.csv")
+    assert seen["message"].endswith(f"kept in {selected}")
+    assert [item["name"] for item in seen["drawn"]] == ["displacement [mm]", "force [N]"]
     assert "2000" in seen["drawn"][0]["svg"][:80]  # as wide as a page may ask
-    again = {"driver": "replay", "file": seen["kept"]["id"], "speed": 1e9}
+    again = {"driver": "replay", "file": seen["saved_file"]["id"], "speed": 1e9}
     live.start(again)
     live._thread.join()
     played = live.describe_state(400, 200)
@@ -69,7 +69,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
     (tmp_path / "secret.csv").write_text("1,2,3\n")
     there = {"folder": str(tmp_path)}
     columns = "time [s], force [N]"
-    for asked, error, message in [
+    for requested, error, message in [
         ({"driver": "serial", "port": str(tmp_path / "secret.csv"), "columns": columns} | there,
          ReadError, "is no serial line"),
         ({"driver": "serial", "port": os.devnull, "columns": columns} | there,
@@ -84,7 +84,7 @@ def test_a_page_reads_no_file_through_it(live, tmp_path):
         ({}, DataError, "driver = ''; expected one of simulated"),
     ]:  # fmt: skip
         with pytest.raises(error, match=message):
-            live.start(asked)
+            live.start(requested)
     assert not live.running
     assert live.describe_state(0, 0)["rows"] == 0
 
@@ -108,4 +108,4 @@ def test_live_record_reports_a_failing_driver(live, monkeypatch):
     live._thread.join()
     seen = live.describe_state(400, 200)
     assert seen["failed"] == "a fault in the driver: RuntimeError: boom"
-    assert (seen["rows"], seen["kept"]) == (2, None)
+    assert (seen["rows"], seen["saved_file"]) == (2, None)

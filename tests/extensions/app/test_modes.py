@@ -78,13 +78,13 @@ def ask(verb, store, home, names, **request):
 )  # fmt: skip
 def test_modes_are_those_of_the_command(store, home, monkeypatch, case):
     names, more, titles = case
-    told = ask("modes", store, home, names, **more)
-    assert [title for title, *_ in told["figures"]] == titles
-    assert "use" in told["verdict"].lower()
+    text = ask("modes", store, home, names, **more)
+    assert [title for title, *_ in text["figures"]] == titles
+    assert "use" in text["verdict"].lower()
     monkeypatch.chdir(home)
-    shell = ran(*shlex.split(told["command"])[1:], "--json")
+    shell = ran(*shlex.split(text["command"])[1:], "--json")
     taken = json.loads(ask("take-modes", store, home, names, **more)["text"])
-    mine, its = (one.get("modes", one.get("tests")) for one in (taken, json.loads(shell.stdout)))
+    mine, its = (item.get("modes", item.get("tests")) for item in (taken, json.loads(shell.stdout)))
     assert mine == its
 
 

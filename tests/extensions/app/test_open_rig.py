@@ -109,11 +109,11 @@ def test_a_file_that_changes_is_read_again_and_the_old_one_is_never_green(browse
         frames = page.at.evaluate("window.frames_seen")
         assert end_of_hold(page) == pytest.approx(1.1 * before, rel=0.01)
         # from the frame that says that the file is another one, nothing is judged until it is read
-        first = next(i for i, one in enumerate(frames) if one["watch"] or one["hash"] != old)
-        judged = [one for one in frames[first:] if one["colour"] in {"good", "care", "bad"}]
-        assert judged
-        assert all(one["hash"] not in {"", old} and not one["watch"] for one in judged)
-        assert any(one["colour"] == "open" for one in frames[first:])
+        first = next(i for i, frame in enumerate(frames) if frame["watch"] or frame["hash"] != old)
+        outcome = [frame for frame in frames[first:] if frame["colour"] in {"good", "care", "bad"}]
+        assert outcome
+        assert all(item["hash"] not in {"", old} and not item["watch"] for item in outcome)
+        assert any(frame["colour"] == "open" for frame in frames[first:])
         page.close()
 
 
@@ -134,7 +134,11 @@ def test_a_file_overwritten_while_it_is_computed_ends_as_the_command_says(browse
         ]
         run = [*line, "--json", "-o", "page.html"]
         done = subprocess.run(run, cwd=files, capture_output=True, text=True, check=True)
-        (end,) = [one for one in json.loads(done.stdout)["numbers"] if one["name"] == "end of hold"]
+        (end,) = [
+            number
+            for number in json.loads(done.stdout)["numbers"]
+            if number["name"] == "end of hold"
+        ]
         assert end_of_hold(page) == pytest.approx(end["value"] / 1000, rel=1e-3)
         page.close()
 
@@ -266,6 +270,6 @@ def test_time_limit_is_dragged_on_a_thinned_record(page, files, name):
     page.at.keyboard.press("PageUp")
     page.done()
     assert not [
-        one for one in page.at.evaluate("window.frames_seen") if "Do not use" in one["word"]
+        item for item in page.at.evaluate("window.frames_seen") if "Do not use" in item["word"]
     ]
     assert "--time-limits" in page.at.locator("#command").inner_text()

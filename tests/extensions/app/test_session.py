@@ -24,7 +24,7 @@ def store():
 
 
 def state(*files):
-    return {"files": [{"id": one, "name": "seal.csv"} for one in files], "job": {"arms": 2}}
+    return {"files": [{"id": file, "name": "seal.csv"} for file in files], "job": {"arms": 2}}
 
 
 def test_a_session_is_taken_up_by_another_server(store):
@@ -33,21 +33,21 @@ def test_a_session_is_taken_up_by_another_server(store):
     store.remove()
     assert session.get_saved_session()["files"] == ["seal.csv"]
     after = Store()
-    found = session.restore_session(after)
-    assert found == state(identity)
+    result = session.restore_session(after)
+    assert result == state(identity)
     assert find_file(after.folder, identity).read_bytes() == b"1,2,3\n"
     after.remove()
 
 
 def test_session_is_removed_with_its_files_and_on_request(store):
-    one, other = store.put("a.csv", b"1\n"), store.put("b.csv", b"2\n")
-    session.save_session(state(one, other), store)
+    item, other = store.put("a.csv", b"1\n"), store.put("b.csv", b"2\n")
+    session.save_session(state(item, other), store)
     session.save_session(state(other), store)
     assert [each.name for each in get_state_path("session").iterdir()] == [other]
     session.save_session(state(), store)
     assert session.get_saved_session() is None
     assert not get_state_path("session").exists()
-    session.save_session(state(one), store)
+    session.save_session(state(item), store)
     session.delete_session()
     assert session.get_saved_session() is None
 
@@ -74,9 +74,9 @@ def test_only_an_empty_server_offers_it(store, tmp_path):
 
     async def open_session(*files):
         desk = AppContext(files)
-        found = json.loads(json.dumps(desk.state))
+        result = json.loads(json.dumps(desk.state))
         await desk.close()
-        return found
+        return result
 
-    assert asyncio.run(open_session())["left"]["files"] == ["seal.csv"]
+    assert asyncio.run(open_session())["last_session"]["files"] == ["seal.csv"]
     assert "left" not in asyncio.run(open_session(tmp_path / "own.csv"))

@@ -17,8 +17,8 @@ from dashpot.extensions.app import wire_format
 def test_a_message_comes_back_as_it_was(head, rows):
     head.pop("arrays", None)
     arrays = {f"{i}": np.array(row) for i, row in enumerate(rows)}
-    told, numbers = wire_format.decode_message(wire_format.encode_message(head, arrays))
-    assert told == head
+    text, numbers = wire_format.decode_message(wire_format.encode_message(head, arrays))
+    assert text == head
     assert {name: row.tolist() for name, row in numbers.items()} == {
         name: row.tolist() for name, row in arrays.items()
     }

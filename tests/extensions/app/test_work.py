@@ -91,15 +91,15 @@ def working_folder(store, files, tmp_path, monkeypatch):
 
 
 def run_command(command, *more):
-    found = ran(*shlex.split(command)[1:], *more)
-    assert found.exit_code == 0, found.output
-    return json.loads(found.stdout)
+    result = ran(*shlex.split(command)[1:], *more)
+    assert result.exit_code == 0, result.output
+    return json.loads(result.stdout)
 
 
 def test_the_fit_is_that_of_the_command_digit_for_digit(store, page_job, working_folder):
-    told = json.loads(ask("take", store, job=page_job, what="fit")["text"])
+    text = json.loads(ask("take", store, job=page_job, what="fit")["text"])
     words = ("--arms", "2", "--time-limits", "ramp-end=2.6s", "--temperature", "23degC")
-    assert told == shell.run_json("fit", "seal_8mm.csv", *words)
+    assert text == shell.run_json("fit", "seal_8mm.csv", *words)
 
 
 @pytest.mark.parametrize("joint", [False, True])
@@ -205,16 +205,16 @@ def test_the_record_is_there_without_a_fit(store, page_job):
     # where it will stand upon its fit
     (line,) = re.findall(r'<path[^>]* data-name="measured"[^>]*>', drawn["ramp"])
     assert line in settled["ramp"]
-    axes = [re.findall(r'data-[xy]="[^"]*"', one["hold"])[:2] for one in (drawn, settled)]
+    axes = [re.findall(r'data-[xy]="[^"]*"', item["hold"])[:2] for item in (drawn, settled)]
     assert axes[0] == axes[1]
 
 
 def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
     whole = VERBS["live"]({"job": page_job}, store.folder)
     assert len(whole) < 30_000
-    found = ask("live", store, job=page_job)
-    assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(found["arrays"])
-    assert "eq. (5)" in found["beside"]
+    result = ask("live", store, job=page_job)
+    assert {"ramp/fit/x", "hold/fit/y", "hold/mean/y"} <= set(result["arrays"])
+    assert "eq. (5)" in result["both_fits"]
     later = ask("live", store, job=page_job | {"time_limits": {"hold_end": 20.0}})
     assert later["time_limits"]["hold_end"] == 20.0
     # what it is called and how large it is: the solid's own, after the hold of the cut
@@ -222,18 +222,20 @@ def test_a_handle_moves_the_curves_within_a_page_of_bytes(store, page_job):
     after = 20.0 - later["time_limits"]["ramp_end"]
     assert name == f"k after {after:.1f} s"
     cut = build_job(page_job | {"time_limits": {"hold_end": 20.0}}, store.folder)
-    own = result_cache.fit_while_dragging(result_cache.select_fit_choices(cut)).solid.relaxation(
-        after
-    )
-    assert float(size.removesuffix(" N/mm")) == pytest.approx(own / 1e3, rel=1e-3)
-    assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["left"])
-    assert found["time_limits"]["hold_end"] > 40.0
+    specific = result_cache.fit_while_dragging(
+        result_cache.select_fit_choices(cut)
+    ).solid.relaxation(after)
+    assert float(size.removesuffix(" N/mm")) == pytest.approx(specific / 1e3, rel=1e-3)
+    assert re.fullmatch(r"rms [\d.]+( mN)?, noise [\d.]+ mN", later["residual_note"])
+    assert result["time_limits"]["hold_end"] > 40.0
     # on the axis that is there, which counts from where the ramp ended when it was drawn
-    moved = page_job | {"time_limits": {"ramp_end": 2.6}}
-    since = found["time_limits"]["ramp_end"]
-    own, there = (ask("live", store, job=moved, **how)["arrays"] for how in ({}, {"since": since}))
+    shifted = page_job | {"time_limits": {"ramp_end": 2.6}}
+    since = result["time_limits"]["ramp_end"]
+    specific, there = (
+        ask("live", store, job=shifted, **how)["arrays"] for how in ({}, {"since": since})
+    )
     for name in ("hold/fit/x", "hold/mean/x"):
-        assert there[name] - own[name] == pytest.approx(2.6 - since, abs=1e-5)
+        assert there[name] - specific[name] == pytest.approx(2.6 - since, abs=1e-5)
 
 
 def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(store, page_job):
@@ -247,11 +249,11 @@ def test_a_held_handle_is_followed_from_the_cut_before_to_the_fit_of_its_cut(sto
     assert after.model.tau == pytest.approx(anew.model.tau, rel=1e-6)
     assert after.model.k == pytest.approx(anew.model.k, rel=1e-6)
     law = ElasticLaw((0.0, 4e-3, 8e-3), (0.5, 1.0, 1.5), 100.0)
-    one = result_cache.select_fit_choices(cut)
-    assert result_cache._can_refit(anew, one)
-    assert not result_cache._can_refit(replace(anew, elastic_law=law), one)
-    assert not result_cache._can_refit(anew, replace(one, arms=3))
-    assert not result_cache._can_refit(anew, replace(one, method="hold"))
+    item = result_cache.select_fit_choices(cut)
+    assert result_cache._can_refit(anew, item)
+    assert not result_cache._can_refit(replace(anew, elastic_law=law), item)
+    assert not result_cache._can_refit(anew, replace(item, arms=3))
+    assert not result_cache._can_refit(anew, replace(item, method="hold"))
 
 
 def test_a_followed_residual_is_in_the_unit_in_which_it_is_drawn(store, page_job):
@@ -267,10 +269,10 @@ def test_of_a_hold_that_is_cut_the_whole_record_stays_in_sight(store, page_job):
     """Its handle goes both ways; what the cut leaves out is hatched."""
     request = {"relaxation": page_job["relaxation"], "arms": 2}
     cut = request | {"time_limits": {"hold_end": 12.0}}
-    drawn = [ask("settle", store, job=one)["panels"]["hold"] for one in (request, cut)]
-    ends = [float(re.search(r'data-x="log \S+ (\S+)"', one)[1]) for one in drawn]
+    drawn = [ask("settle", store, job=item)["panels"]["hold"] for item in (request, cut)]
+    ends = [float(re.search(r'data-x="log \S+ (\S+)"', item)[1]) for item in drawn]
     assert ends[1] == pytest.approx(ends[0], rel=1e-3)
-    hatches = [one.count("<pattern") for one in drawn]
+    hatches = [item.count("<pattern") for item in drawn]
     assert hatches[1] > hatches[0]
     job = build_job(cut, store.folder)
     (short,) = result_cache.prepare_job_tests(result_cache.select_test_choices(job), None)
@@ -286,20 +288,20 @@ def test_elastic_law_of_a_result_can_be_requested():
         SimpleNamespace(elastic_law=ElasticLaw((0.0, 8e-3), ratio, 100.0))
         for ratio in ((0.5, 1.5), (1.0, 1.0))
     )
-    found = [
+    result = [
         request_handlers._get_law_option(fit)
         for fit in (bent, straight, SimpleNamespace(elastic_law=None))
     ]
-    assert found == ["nonlinear", "linear", ""]
-    assert set(found[:2]) <= set(get_choice_values(RampLawOption))
+    assert result == ["nonlinear", "linear", ""]
+    assert set(result[:2]) <= set(get_choice_values(RampLawOption))
 
 
 def test_a_response_follows_the_mass(store, page_job):
     light, heavy = (
         ask("predict", store, job=page_job | {"mass": mass}) for mass in ("100g", "200g")
     )
-    peaks = [one["arrays"]["frf/predicted/x"][one["arrays"]["frf/predicted/y"].argmax()]
-             for one in (light, heavy)]  # fmt: skip
+    peaks = [item["arrays"]["frf/predicted/x"][item["arrays"]["frf/predicted/y"].argmax()]
+             for item in (light, heavy)]  # fmt: skip
     assert peaks[0] / peaks[1] == pytest.approx(2**0.5, rel=0.02)
     assert len(VERBS["predict"]({"job": page_job}, store.folder)) < 30_000
 
@@ -356,9 +358,9 @@ def test_tests_at_two_temperatures_share_one_model(store, working_folder):
     job = {"relaxation": ids[0], "other_tests": [ids[1]], "temperatures": ["23degC", "0degC"]}
     head = ask("settle", store, job=job)
     words = ("warm.csv", "cold.csv", "--temperature", "23degC", "--temperature", "0degC")
-    told = json.loads(ask("take", store, job=job, what="fit")["text"])
-    assert told == shell.run_json("fit", *words)
-    assert len(told["temperature"]["shifts"]) == 2
+    answer = json.loads(ask("take", store, job=job, what="fit")["text"])
+    assert answer == shell.run_json("fit", *words)
+    assert len(answer["temperature"]["shifts"]) == 2
     assert head["command"].startswith("dashpot report warm.csv cold.csv")
     with pytest.raises(
         dp.DataError, match="--time-limits cuts one relaxation test, and there are 2 here"
@@ -391,8 +393,10 @@ def test_advice_is_shown_once(store, page_job):
     study = result_cache.get_study(build_job(page_job, store.folder))
     more = view_models.format_next_test(study, ())
     assert study.fit.evidence.end_of_hold.remedy.split(":")[0] in more.replace("\xa0", " ")
-    said = Check("told", False, "Not known.", remedy=Remedy(study.fit.evidence.end_of_hold.remedy))
-    assert view_models.format_next_test(study, (said,)) == ""
+    message = Check(
+        "told", False, "Not known.", remedy=Remedy(study.fit.evidence.end_of_hold.remedy)
+    )
+    assert view_models.format_next_test(study, (message,)) == ""
 
 
 def test_page_offers_the_mass_of_the_frf_next_to_the_verdict(store, page_job):
@@ -410,7 +414,7 @@ def test_fractional_model_lists_four_parameters(store, page_job):
     head = ask("settle", store, job=page_job | {"arms": "auto", "family": "fractional"})
     assert head["solid"].count('scope="row"') == 5  # its four, and the end of the hold
     assert "--model fractional" in head["command"]
-    assert ask("live", store, job=page_job | {"arms": "auto", "family": "fractional"})["beside"]
+    assert ask("live", store, job=page_job | {"arms": "auto", "family": "fractional"})["both_fits"]
 
 
 def test_hit_can_be_rejected_on_the_page(store, page_job):
@@ -462,7 +466,7 @@ def test_a_job_and_its_command_say_the_same(store, page_job):
         "hammer": {"reject": ["3"], "polarity": [1, -1]}, "title": "A seal's title",
     }  # fmt: skip
     words = shlex.split(format_job_command("report", build_job(page_job | more, store.folder)))
-    for one in (
+    for name in (
         "--compression",
         "2.6mm",
         "5.0:40Hz",
@@ -471,15 +475,15 @@ def test_a_job_and_its_command_say_the_same(store, page_job):
         "-1",
         "A seal's title",
     ):
-        assert one in words
+        assert name in words
 
 
 def test_a_file_without_units_asks_and_shows_what_each_would_mean(store):
     text = workflow.EXAMPLES["seal_8mm.csv"]().replace("force [N]", "force")
     identity = store.put("bare.csv", text.encode())
-    found = ask("inspect", store, file=identity)
-    assert found["mark"] == "care"
-    assert "With this unit the seal would be" in found["asked"]
+    result = ask("inspect", store, file=identity)
+    assert result["mark"] == "care"
+    assert "With this unit the seal would be" in result["question"]
     answered = ask("inspect", store, file=identity, options={"units": {"force": "N"}})
     assert answered["mark"] == "good"
     profile = ask("profile", store, options={"units": {"force": "N"}})
@@ -491,34 +495,34 @@ def test_tests_over_each_other_begin_at_a_step_after_the_ramp(store):
     record = simulate_relaxation(BROAD, seed=3).test
     identity = store.put("early.csv", write_relaxation(record).encode())
     job = {"relaxation": identity, "specimen": {}, "time_limits": {}}
-    sound = prepare(record)
-    step = float(np.median(np.diff(sound.time)))
-    after = sound.time[sound.time > sound.ramp_end]
+    valid = prepare(record)
+    step = float(np.median(np.diff(valid.time)))
+    after = valid.time[valid.time > valid.ramp_end]
     job["time_limits"] = {"ramp_end": float(after[0]) - 1e-5 * step}
-    told = ask("overlay", store, jobs=[job], sizes={"seals-hold": [800, 300]})
-    axis = re.search(r'data-x="log (\S+) ', told["panels"]["seals-hold"])
+    text = ask("overlay", store, jobs=[job], sizes={"seals-hold": [800, 300]})
+    axis = re.search(r'data-x="log (\S+) ', text["panels"]["seals-hold"])
     assert axis is not None
     assert float(axis[1]) > step / 2
 
 
 def test_whatever_comes_from_a_file_is_escaped(store):
     text = workflow.EXAMPLES["seal_8mm.csv"]().replace("force [N]", "<script>x</script> [N]")
-    found = ask("inspect", store, file=store.put("<i>.csv", text.encode()))
-    assert "<script>" not in json.dumps(found, default=str)
+    result = ask("inspect", store, file=store.put("<i>.csv", text.encode()))
+    assert "<script>" not in json.dumps(result, default=str)
 
 
 @pytest.mark.parametrize("what", ["report", "fit", "picture", "frf"])
 def test_what_can_be_taken_away(store, page_job, what):
-    told = ask("take", store, job=page_job | {"joint": False}, what=what)
-    assert told["name"]
-    assert len(told["text"]) > 20
+    text = ask("take", store, job=page_job | {"joint": False}, what=what)
+    assert text["name"]
+    assert len(text["text"]) > 20
 
 
 def test_menu_offers_every_solver_input():
     script = Path(request_handlers.__file__).with_name("static") / "app.js"
     (table,) = re.findall(r"const DECKS = {(.*?)\n};", script.read_text("utf-8"), re.DOTALL)
-    offered = set(re.findall(r"^  (\w+):", table, re.MULTILINE))
-    assert offered == set(SUFFIXES)
+    suggestion = set(re.findall(r"^  (\w+):", table, re.MULTILINE))
+    assert suggestion == set(SUFFIXES)
 
 
 def test_a_deck_is_refused_as_on_the_command_line_and_written_anyway(store, page_job):
@@ -582,8 +586,8 @@ def test_a_model_unit_is_that_of_the_command(store, page_job, working_folder):
 @pytest.mark.parametrize("joint", [True, False])
 def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, page_job, joint):
     job = page_job | {"joint": joint}
-    told = ask("study", store, job=job)
-    table = told["solid"]
+    text = ask("study", store, job=job)
+    table = text["solid"]
     assert joint or table == ask("settle", store, job=job)["solid"]
     (solid,) = re.findall('data-solid="([0-9a-f]+)"', table)
     for target in SUFFIXES:
@@ -593,26 +597,26 @@ def test_a_deck_is_of_the_solid_shown_and_no_calmer_than_the_page(store, page_jo
         deck = taken.get("text") or archived(taken, "sources/model.h")
         assert f"in parallel of fit {solid}" in deck, target
         assert len(re.findall(r"arm \d+: k =", deck)) == table.count('row">arm '), target
-        assert ("DO NOT USE:" in deck) == (told["colour"] == "bad"), target
+        assert ("DO NOT USE:" in deck) == (text["colour"] == "bad"), target
     with pytest.raises(dp.DataError, match="another model"):
         ask("take", store, job=job, solid="0" * 16, **wanted)
 
 
 def test_the_panels_of_the_test_are_of_the_solid_of_the_tab(store, page_job):
     job = page_job | {"joint": True}
-    told, alone = ask("study", store, job=job), ask("settle", store, job=job)["panels"]
-    both = told["panels"]
+    text, single = ask("study", store, job=job), ask("settle", store, job=job)["panels"]
+    both = text["panels"]
     assert both.keys() == {"ramp", "hold", "spectrum"}
     # the measured lines are the same, the fitted ones are not, nor their colour
-    assert all(both[name] != alone[name] for name in ("hold", "spectrum"))
-    for panels, ink in ((both, "joint-ink"), (alone, "fit")):
-        assert all(f"var(--{ink})" in one for one in (panels["hold"], panels["spectrum"]))
+    assert all(both[name] != single[name] for name in ("hold", "spectrum"))
+    for panels, ink in ((both, "joint-ink"), (single, "fit")):
+        assert all(f"var(--{ink})" in item for item in (panels["hold"], panels["spectrum"]))
         assert ink == "fit" or "var(--fit)" not in panels["hold"] + panels["spectrum"]
     arms = result_cache.get_study(build_job(job, store.folder)).joint.model.arms
     assert both["spectrum"].count(">τ") >= arms
     assert (
         ask("study", store, job=page_job | {"joint": False})["panels"]["spectrum"]
-        == (alone["spectrum"])
+        == (single["spectrum"])
     )
 
 
@@ -637,18 +641,18 @@ def test_two_fits_are_held_against_each_other(store, page_job):
     assert head["colour"] == "open"
     assert set(head["panels"]) == {"ab-frf", "ab-rest"}
     assert 'data-name="A"' in head["panels"]["ab-frf"]
-    tabs = [ask("study", store, job=one["job"])["answers"] for one in sides.values()]
+    tabs = [ask("study", store, job=side["job"])["answers"] for side in sides.values()]
     # each number is that of its own tab
-    for told, side in zip(tabs, (1, 2), strict=True):
-        own = re.findall(r'row">([^<]+)</th><td class="value">([^<]+)', told)
+    for text, side in zip(tabs, (1, 2), strict=True):
+        specific = re.findall(r'row">([^<]+)</th><td class="value">([^<]+)', text)
         mine = {
             row[0]: row[side] for row in re.findall(
                 r'row">([^<]+)</th><td class="value">([^<]*)</td><td class="value">([^<]*)',
                 head["table"],
             )
         }  # fmt: skip
-        assert all(mine[name] == value for name, value in own if name in mine)
-        assert len(mine.keys() & dict(own).keys()) >= 3
+        assert all(mine[name] == value for name, value in specific if name in mine)
+        assert len(mine.keys() & dict(specific).keys()) >= 3
     assert "alone" in head["table"]
     same = ask("against", store, a=sides["a"], b=sides["a"])
     assert "×" not in same["table"]
@@ -658,8 +662,8 @@ def test_two_fits_are_held_against_each_other(store, page_job):
 
 
 def test_project_is_saved_with_its_report(store, page_job, tmp_path):
-    kept = ask("project", store, job=page_job | {"joint": False}, folder=str(tmp_path / "door"))
+    selected = ask("project", store, job=page_job | {"joint": False}, folder=str(tmp_path / "door"))
     assert (tmp_path / "door" / "dashpot.toml").exists()
-    assert kept["report"].endswith(".html")
+    assert selected["report"].endswith(".html")
     with pytest.raises(dp.DataError, match="no folder"):
         ask("project", store, job=page_job, folder=" ")

@@ -91,13 +91,13 @@ def test_batch_row_is_fitted_with_the_machine_of_its_manifest(folder, tmp_path):
         (), manifest=tmp_path / "tests.csv", arms=1, jobs=1,
         machine=Machine(compliance="0.1mm/N"),
     )  # fmt: skip
-    found = {Path(entry["file"]).name: entry for entry in made.table.iter_rows(named=True)}
+    result = {Path(entry["file"]).name: entry for entry in made.table.iter_rows(named=True)}
     for name, machine in zip(names, ("0.1mm/N", "0.3mm/N", "0.3mm/N"), strict=True):
         sync = "1ms" if name == "a.csv" else None
         stated = Machine(compliance=machine, sync=sync)
         test = read_relaxation(tmp_path / name).prepare(machine=stated)
-        assert found[name]["k_inf_N_per_m"] == fit_tests(test, arms=1).model.k_inf
-    assert found["a.csv"]["k_inf_N_per_m"] != found["seal.csv"]["k_inf_N_per_m"]
+        assert result[name]["k_inf_N_per_m"] == fit_tests(test, arms=1).model.k_inf
+    assert result["a.csv"]["k_inf_N_per_m"] != result["seal.csv"]["k_inf_N_per_m"]
 
 
 @pytest.mark.parametrize("name", sorted(set(files()) - {"trios.txt"}))

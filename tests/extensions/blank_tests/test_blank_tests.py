@@ -50,10 +50,10 @@ def count_held(cases: int) -> Counter[str]:
     for seed in range(cases):
         rig = draw_rig(seed)
         off = 1 + 1e-3 * np.random.default_rng([seed, 5]).standard_normal()
-        found = fit(*measure(rig, seed, SPRING * off))
-        assert [record.role for record in found.records] == ["stop", "spring", "empty"]
+        result = fit(*measure(rig, seed, SPRING * off))
+        assert [record.role for record in result.records] == ["stop", "spring", "empty"]
         for name in ("compliance", "creep", "gain", "delay", "noise", "drift", "hum"):
-            value = found[name]
+            value = result[name]
             held[name] += bool(value.low <= getattr(rig, name) <= value.high)
     return held
 
@@ -75,30 +75,30 @@ def test_delay_error_is_that_of_a_ramp_of_8_mm_in_1_s() -> None:
     # d F/d delay is 1 N/mm x 8 mm/s on 1000 samples of 4 mN: .0158 ms where all else is known
     bound = 4e-3 / (8.0 * np.sqrt(1000))
     assert bound == pytest.approx(0.0158e-3, rel=2e-3)
-    found = [
+    result = [
         estimate_press(
             read(make_spring(QUIET, seed, gap=0.0, rest=30.0, hold=120.0, back=False)), spring=True
         ).delay
         for seed in range(40)
     ]
-    scatter = float(np.std([delay.value for delay in found]))
-    stated = float(np.mean([delay.error for delay in found]))
+    scatter = float(np.std([delay.value for delay in result]))
+    stated = float(np.mean([delay.error for delay in result]))
     # creep, drift, offset and stiffness are estimated besides
     assert bound < stated < 1.2 * bound
     assert scatter == pytest.approx(stated, rel=0.3)
-    assert abs(np.mean([delay.value for delay in found]) - 1e-3) < 4 * stated / np.sqrt(40)
+    assert abs(np.mean([delay.value for delay in result]) - 1e-3) < 4 * stated / np.sqrt(40)
 
 
 def test_delay_error_of_a_held_spring_holds_the_error_of_its_rest() -> None:
     # 2 um of noise in the displacement are 2 mN, twice that of the force, and 250 us of its speed
     rig = replace(QUIET, noise=1e-3, displacement_noise=2e-6)
-    found = [
+    result = [
         estimate_press(
             read(make_spring(rig, seed, gap=0.0, hold=6.0, back=False)), spring=True
         ).delay
         for seed in range(40)
     ]
-    z = [(delay.value - rig.delay) / delay.error for delay in found]
+    z = [(delay.value - rig.delay) / delay.error for delay in result]
     assert np.sqrt(np.mean(np.square(z))) < 1.3  # 1.6 with the rest by a fiftieth of the record
 
 
@@ -111,17 +111,17 @@ def test_contact_after_a_gap_costs_half_of_the_knowledge_of_the_delay() -> None:
 
 @pytest.mark.parametrize("delay", [-20e-3, 30e-3])
 def test_delay_of_many_samples_is_estimated(delay: float) -> None:
-    found = estimate_press(read(make_spring(replace(QUIET, delay=delay), 2)))
-    assert found.delay.value == pytest.approx(delay, abs=4 * found.delay.error)
+    result = estimate_press(read(make_spring(replace(QUIET, delay=delay), 2)))
+    assert result.delay.value == pytest.approx(delay, abs=4 * result.delay.error)
 
 
 def test_machine_equals_the_estimates() -> None:
     rig = Rig()
-    found = fit(*measure(rig, 3))
-    assert found.verdict.use == "use", found.verdict
-    machine = found.machine
-    assert machine.compliance == found["compliance"].value
-    assert machine.sync == found["delay"].error
+    result = fit(*measure(rig, 3))
+    assert result.verdict.use == "use", result.verdict
+    machine = result.machine
+    assert machine.compliance == result["compliance"].value
+    assert machine.sync == result["delay"].error
     calibration = machine.calibration
     assert calibration is not None
     assert calibration.delay == pytest.approx(rig.delay, abs=4 * machine.sync)
@@ -144,18 +144,18 @@ def test_signs_of_channels_change_nothing() -> None:
 
 def test_repeats_are_combined() -> None:
     rig = Rig()
-    one, two = measure(rig, 5), measure(rig, 6)
-    single, both = fit(*one), fit(*one, *two)
+    item, two = measure(rig, 5), measure(rig, 6)
+    single, both = fit(*item), fit(*item, *two)
     assert both["delay"].error < single["delay"].error
     assert both["noise"].error < single["noise"].error
 
 
 def test_repeats_that_contradict_each_other_are_not_used() -> None:
-    one, other = measure(Rig(), 5), measure(Rig(compliance=60e-6), 6)
-    stops = fit(one[0], other[0], *one[1:])
+    item, other = measure(Rig(), 5), measure(Rig(compliance=60e-6), 6)
+    stops = fit(item[0], other[0], *item[1:])
     assert [check.name for check in stops.checks if check.failed] == ["repeated_stops_agree"]
     assert stops.verdict.use == "use with care"
-    springs = fit(*one, read(make_spring(Rig(), 6, 1.03 * SPRING)))
+    springs = fit(*item, read(make_spring(Rig(), 6, 1.03 * SPRING)))
     assert [check.name for check in springs.checks if check.failed] == ["repeated_springs_agree"]
 
 
@@ -173,18 +173,18 @@ def test_empty_run_without_noise_is_refused() -> None:
 
 
 def test_spring_without_a_stated_stiffness_gives_delay_and_no_gain() -> None:
-    found = fit(*measure(Rig(), 7), spring_stiffness=None)
-    assert found.get_value("gain") is None
-    assert found.get_value("delay") is not None
-    assert [record.role for record in found.records] == ["stop", "spring", "empty"]
+    result = fit(*measure(Rig(), 7), spring_stiffness=None)
+    assert result.get_value("gain") is None
+    assert result.get_value("delay") is not None
+    assert [record.role for record in result.records] == ["stop", "spring", "empty"]
 
 
 def test_missing_records_are_a_note() -> None:
-    found = fit(*measure(Rig(), 8)[:2])
-    assert found.get_value("noise") is None
-    assert found.machine.drift is None
-    assert found.verdict.use == "use"
-    check = next(check for check in found.checks if check.name == "blank_tests_complete")
+    result = fit(*measure(Rig(), 8)[:2])
+    assert result.get_value("noise") is None
+    assert result.machine.drift is None
+    assert result.verdict.use == "use"
+    check = next(check for check in result.checks if check.name == "blank_tests_complete")
     assert check.failed
     assert "empty run" in check.message
 
@@ -242,8 +242,8 @@ def test_stop_that_relaxes_like_rubber_is_not_used(seed: int, share: float, tau:
     _, spring, empty = measure(rig, seed)
     t, x, force = make_stop(rig, seed)
     start = float(t[np.argmax(x > 0.99 * x.max())])
-    found = fit(read(relax((t, x, force), share, tau, start)), spring, empty)
-    assert found.verdict.use != "use", found.verdict
+    result = fit(read(relax((t, x, force), share, tau, start)), spring, empty)
+    assert result.verdict.use != "use", result.verdict
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -252,8 +252,8 @@ def test_spring_with_hysteresis_is_not_used(seed: int, friction: float) -> None:
     rig = replace(draw_rig(seed), displacement_noise=2e-7)
     stop, _, empty = measure(rig, seed)
     spring = read(rub(make_spring(rig, seed), friction))
-    found = fit(stop, spring, empty)
-    assert found.verdict.use != "use", found.verdict
+    result = fit(stop, spring, empty)
+    assert result.verdict.use != "use", result.verdict
 
 
 def test_spring_that_relaxes_is_not_used() -> None:
@@ -269,23 +269,23 @@ def test_empty_run_whose_sensor_moves_is_not_used(seed: int) -> None:
     stop, spring, _ = measure(rig, seed)
     t, x, force = make_empty(rig, seed)
     pulled = force + 5 * rig.noise * x / np.ptp(x)  # a cable
-    found = fit(stop, spring, read((t, x, pulled), "empty"))
-    assert "empty_run_force_free_of_motion" in found.verdict.reasons
+    result = fit(stop, spring, read((t, x, pulled), "empty"))
+    assert "empty_run_force_free_of_motion" in result.verdict.reasons
     random = np.random.default_rng(seed)
     walk = np.cumsum(random.standard_normal(len(t)))
     wander = 3e-4 * walk / np.ptp(walk)
-    found = fit(
+    result = fit(
         stop, spring, read((t, np.convolve(wander, np.ones(50) / 50, "same"), force), "empty")
     )
-    assert found.verdict.use != "use", found.verdict
+    assert result.verdict.use != "use", result.verdict
     pushed = force + 10 * rig.noise * walk / np.ptp(walk)
-    found = fit(stop, spring, read((t, x, pushed), "empty"))
-    assert "empty_run_force_steady" in found.verdict.reasons
+    result = fit(stop, spring, read((t, x, pushed), "empty"))
+    assert "empty_run_force_steady" in result.verdict.reasons
 
 
 def test_spring_of_another_stiffness_is_not_used() -> None:
-    found = fit(*measure(Rig(), 12, SPRING * 1.15))
-    assert "gain_plausible" in found.verdict.reasons
+    result = fit(*measure(Rig(), 12, SPRING * 1.15))
+    assert "gain_plausible" in result.verdict.reasons
 
 
 def test_channels_of_generator_hold_the_delay() -> None:

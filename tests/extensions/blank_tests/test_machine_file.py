@@ -65,11 +65,11 @@ def run(*words: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_a_document_keeps_the_errors_of_the_machine() -> None:
-    found = measure(SLOW, 1)
-    again = from_json(to_json(found))
-    assert again.machine == found.machine
-    assert again.reported_values == found.reported_values
-    assert again.verdict == found.verdict
+    result = measure(SLOW, 1)
+    again = from_json(to_json(result))
+    assert again.machine == result.machine
+    assert again.reported_values == result.reported_values
+    assert again.verdict == result.verdict
 
 
 def test_fit_writes_a_machine_file_that_fit_reads(
@@ -85,13 +85,13 @@ def test_fit_writes_a_machine_file_that_fit_reads(
     assert re.search(r'sha256 = \["[0-9a-f]{64}"', written)
     machine = dp.read(folder / "rig.toml")
     assert isinstance(machine, Machine)
-    known = machine.calibration
-    assert known is not None
-    assert known.gain == pytest.approx(SLOW.gain, rel=4e-3)
-    assert known.delay == pytest.approx(SLOW.delay, abs=5 * (machine.sync or 0.0))
+    expected = machine.calibration
+    assert expected is not None
+    assert expected.gain == pytest.approx(SLOW.gain, rel=4e-3)
+    assert expected.delay == pytest.approx(SLOW.delay, abs=5 * (machine.sync or 0.0))
     assert machine.compliance == pytest.approx(SLOW.compliance, rel=5e-3)
     days = (dt.datetime.now(dt.UTC).date() - dt.date(2026, 11, 1)).days
-    assert known.source == (
+    assert expected.source == (
         f"machine file rig.toml, measured 2026-11-01 ({days} day{'s' * (days != 1)} ago)"
     )
     run("fit", "seal.csv", "--machine", "rig.toml", "--machine", "rest=30min", "-o", "seal.json",
@@ -113,17 +113,17 @@ def test_report_names_the_machine_file(folder: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_machine_comes_back_from_its_file(tmp_path: Path) -> None:
-    found = measure(draw_rig(3), 3).machine
+    result = measure(draw_rig(3), 3).machine
     path = tmp_path / "rig.toml"
     path.write_text(render_machine_file(measure(draw_rig(3), 3)))
     again = read_machine_file(path)
     for name in ("sync", "drift", "compliance", "creep"):
-        assert getattr(again, name) == pytest.approx(getattr(found, name), rel=1e-6)
-    assert found.calibration is not None
+        assert getattr(again, name) == pytest.approx(getattr(result, name), rel=1e-6)
+    assert result.calibration is not None
     assert again.calibration is not None
     for name in ("delay", "gain", "gain_error", "compliance_error", "settling"):
         assert getattr(again.calibration, name) == pytest.approx(
-            getattr(found.calibration, name), rel=1e-6
+            getattr(result.calibration, name), rel=1e-6
         )
 
 
@@ -173,20 +173,20 @@ def test_machine_file_by_hand_needs_no_origin(tmp_path: Path) -> None:
 def test_machine_file_by_hand_gives_a_compliance_the_usual_error(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text("[machine]\ncompliance = '50um/N'\ndelay = '1ms'\n[blank]\ndate = 2026-01-02\n")
-    known, plain = read_machine_file(path), dp.Machine(compliance="50um/N")
-    assert known.give_sd(8e-3, 2.0) == pytest.approx(plain.give_sd(8e-3, 2.0))
-    assert known.calibration is not None
-    assert "measured 2026-01-02 (" in known.calibration.source
+    expected, plain = read_machine_file(path), dp.Machine(compliance="50um/N")
+    assert expected.give_sd(8e-3, 2.0) == pytest.approx(plain.give_sd(8e-3, 2.0))
+    assert expected.calibration is not None
+    assert "measured 2026-01-02 (" in expected.calibration.source
 
 
 def test_calibration_takes_gain_delay_and_settling_off_a_record() -> None:
     rig = replace(SLOW, noise=1e-5, displacement_noise=0.0, hum=0.0, drift=0.0, compliance=0.0)
     seal = draw_seal(2)
     plain = replace(rig, gain=1.0, delay=0.0, creep=0.0)
-    known = MachineCalibration(delay=rig.delay, gain=rig.gain, settling=rig.creep)
+    expected = MachineCalibration(delay=rig.delay, gain=rig.gain, settling=rig.creep)
     read, true = (
         dp.fit(dp.RelaxationTest(*make_seal_test(each, seal, 2), units="SI"), machine=machine)
-        for each, machine in ((rig, Machine(calibration=known)), (plain, None))
+        for each, machine in ((rig, Machine(calibration=expected)), (plain, None))
     )
     assert read.model.k_inf == pytest.approx(true.model.k_inf, rel=2e-4)
     assert read.model.k_inf == pytest.approx(seal.k_inf, rel=1e-3)
@@ -251,8 +251,8 @@ def test_spring_of_no_stiffness_is_refused_as_a_spring(
 
 def test_python_reads_and_fits_blank_tests(folder: Path) -> None:
     records = [dp.read(folder / f"{name}.csv", kind="blank") for name in ("stop", "spring")]
-    found = dp.fit(*records, spring_stiffness="1N/mm")
-    assert [record.file for record in found.records] == ["stop.csv", "spring.csv"]
-    assert found.plot().strips
+    result = dp.fit(*records, spring_stiffness="1N/mm")
+    assert [record.file for record in result.records] == ["stop.csv", "spring.csv"]
+    assert result.plot().strips
     with pytest.raises(DataError, match="role"):
         dp.read(folder / "stop.csv", kind="blank", role="wall")

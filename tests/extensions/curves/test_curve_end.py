@@ -185,9 +185,9 @@ def test_a_sweep_of_few_lines_claims_no_more_than_it_knows(count: int) -> None:
         stiffness, loss_factor = fit.evidence.band_error.max_errors
         lines = np.geomspace(*fit.band, 9)
         wanted = np.array([solid.stiffness(2 * np.pi * line) for line in lines])
-        found = fit.model.complex_stiffness(omega=2 * np.pi * lines)
-        ratio = (found.imag / found.real) / (wanted.imag / wanted.real)
-        assert np.abs(np.abs(found) / np.abs(wanted) - 1).max() <= stiffness
+        result = fit.model.complex_stiffness(omega=2 * np.pi * lines)
+        ratio = (result.imag / result.real) / (wanted.imag / wanted.real)
+        assert np.abs(np.abs(result) / np.abs(wanted) - 1).max() <= stiffness
         assert np.abs(ratio - 1).max() <= loss_factor
 
 
@@ -197,7 +197,7 @@ def test_a_sweep_of_few_lines_claims_no_more_than_it_knows(count: int) -> None:
 def require_score(score: Score, *, intact: float = 0.6) -> None:
     assert min(score.held.values()) >= 0.95, score
     assert score.used_off <= 0.05 * score.used, score
-    assert score.sound_used >= intact * score.sound, score
+    assert score.faultless_used >= intact * score.faultless, score
 
 
 def test_limits_hold_on_a_few_curves_of_every_kind() -> None:

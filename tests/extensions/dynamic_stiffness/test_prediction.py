@@ -91,7 +91,8 @@ def test_a_doubt_of_the_fit_is_one_of_its_stiffness(fit, grade):
     doubt = replace(fit.checks[0], name="doubted", passed=False, grade=grade)
     doubtful = replace(fit, evidence=replace(fit.evidence, checks=(*fit.checks, doubt)))
     verdicts = [
-        dp.predict(doubtful, **asked).verdict for asked in ({"frequency": 0.2}, {"mass": 0.1})
+        dp.predict(doubtful, **requested).verdict
+        for requested in ({"frequency": 0.2}, {"mass": 0.1})
     ]
     assert all("doubted" in verdict.reasons for verdict in verdicts)
     assert verdicts[0].use == doubtful.verdict.use != "use"

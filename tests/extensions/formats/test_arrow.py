@@ -22,13 +22,13 @@ from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 
 WRITTEN = Path(__file__).parents[2] / "data" / "pyarrow"
-TIME, MOVED, FORCE = press_and_hold(20.0)
+TIME, DISPLACEMENT, FORCE = press_and_hold(20.0)
 
 
 @pytest.mark.parametrize("name", ["bench.parquet", "bench.arrow"])
 def test_units_stand_in_the_metadata_of_fields(name: str) -> None:
-    found = inspect_file(WRITTEN / name)
-    assert [(c.name, c.unit) for c in found.columns] == [
+    result = inspect_file(WRITTEN / name)
+    assert [(c.name, c.unit) for c in result.columns] == [
         ("time", "s"), ("travel", "mm"), ("load", "kN"),
     ]  # fmt: skip
     test = read_relaxation(WRITTEN / name)
@@ -53,9 +53,9 @@ FACTORS = {
 
 
 def write_with_metadata(path: Path, metadata: dict[str, str]) -> Path:
-    data = {"time": TIME, "travel": MOVED, "force": FORCE}
-    said = {f"{name}.unit": unit for name, unit in UNITS.items()}
-    pl.DataFrame(data).write_parquet(path, metadata={**said, **metadata})
+    data = {"time": TIME, "travel": DISPLACEMENT, "force": FORCE}
+    message = {f"{name}.unit": unit for name, unit in UNITS.items()}
+    pl.DataFrame(data).write_parquet(path, metadata={**message, **metadata})
     return path
 
 
@@ -81,7 +81,7 @@ def test_a_factor_of_the_whole_file_is_a_caution(tmp_path: Path, metadata: dict[
 
 def test_fill_values_are_no_numbers(tmp_path: Path) -> None:
     gone = (TIME > 20) & (TIME < 20.3)
-    data = {"time_s": TIME, "travel_mm": MOVED, "force_N": np.where(gone, -12345.0, FORCE)}
+    data = {"time_s": TIME, "travel_mm": DISPLACEMENT, "force_N": np.where(gone, -12345.0, FORCE)}
     stated = {"force_N.fill_value": "-12345"}
     pl.DataFrame(data).write_parquet(tmp_path / "a", metadata=stated)
     test = read_relaxation(tmp_path / "a")
@@ -95,7 +95,7 @@ def test_fill_values_are_no_numbers(tmp_path: Path) -> None:
 def test_steps_of_fields_are_compared_with_the_rate(
     tmp_path: Path, steps: tuple[float, float], says: str | None
 ) -> None:
-    data = {"travel_mm": MOVED, "force_N": FORCE}
+    data = {"travel_mm": DISPLACEMENT, "force_N": FORCE}
     stated = {f"{name}.dt": str(step) for name, step in zip(data, steps, strict=True)}
     pl.DataFrame(data).write_parquet(tmp_path / "a", metadata=stated)
     if says:
@@ -109,14 +109,14 @@ def test_steps_of_fields_are_compared_with_the_rate(
 
 def test_a_force_of_words_is_a_caution_where_another_takes_its_place(tmp_path: Path) -> None:
     words = [f"{force:.3f} N" for force in FORCE]
-    data = {"time_s": TIME, "travel_mm": MOVED, "force": words, "force ref_N": 2 * FORCE}
+    data = {"time_s": TIME, "travel_mm": DISPLACEMENT, "force": words, "force ref_N": 2 * FORCE}
     pl.DataFrame(data).write_parquet(tmp_path / "a")
     test = read_relaxation(tmp_path / "a")
     assert any("'force' holds no numbers" in note for note in test.source.cautions)
 
 
 def test_a_stream_of_arrow_is_read(tmp_path: Path) -> None:
-    data = {"time_s": TIME, "travel_mm": MOVED, "force_N": FORCE}
+    data = {"time_s": TIME, "travel_mm": DISPLACEMENT, "force_N": FORCE}
     pl.DataFrame(data).write_ipc_stream(tmp_path / "a")
     np.testing.assert_allclose(read_relaxation(tmp_path / "a").force, FORCE)
 
@@ -130,7 +130,7 @@ def test_read_asks_about_a_factor() -> None:
 def test_units_stand_in_names_and_instants_are_a_clock(tmp_path: Path, kind: str) -> None:
     began = np.datetime64("2026-03-01T08:00:00", "us")
     instants = began + np.round(TIME * 1e6).astype("timedelta64[us]")
-    frame = pl.DataFrame({"time": instants, "travel [mm]": MOVED, "force_kN": FORCE / 1e3})
+    frame = pl.DataFrame({"time": instants, "travel [mm]": DISPLACEMENT, "force_kN": FORCE / 1e3})
     path = tmp_path / "a"
     (frame.write_parquet if kind == "parquet" else frame.write_ipc)(path)
     test = read_relaxation(path)
@@ -139,7 +139,9 @@ def test_units_stand_in_names_and_instants_are_a_clock(tmp_path: Path, kind: str
 
 
 def test_read_asks_for_missing_units(tmp_path: Path) -> None:
-    pl.DataFrame({"time": TIME, "travel": MOVED, "force": FORCE}).write_parquet(tmp_path / "a")
+    pl.DataFrame({"time": TIME, "travel": DISPLACEMENT, "force": FORCE}).write_parquet(
+        tmp_path / "a"
+    )
     with pytest.raises(ReadError, match="--units"):
         read_relaxation(tmp_path / "a")
     options = ReadOptions(units={"time": "s", "displacement": "mm", "force": "N"})
@@ -181,6 +183,6 @@ def test_broken_metadata_says_nothing(data: bytes) -> None:
 def test_blank_cells_are_no_numbers(tmp_path: Path) -> None:
     values = [None if 300 < i < 305 else float(force) for i, force in enumerate(FORCE)]
     data = BytesIO()
-    pl.DataFrame({"time_s": TIME, "travel_mm": MOVED, "force_N": values}).write_parquet(data)
+    pl.DataFrame({"time_s": TIME, "travel_mm": DISPLACEMENT, "force_N": values}).write_parquet(data)
     (tmp_path / "a").write_bytes(data.getvalue())
     assert len(read_relaxation(tmp_path / "a").force) == len(TIME) - 4

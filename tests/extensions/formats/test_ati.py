@@ -22,20 +22,21 @@ def test_read_calibration_gives_one_matrix_for_both_versions(
     tmp_path: Path, version: str, torque: str, distance: str
 ) -> None:
     matrix = cal(tmp_path / "a.cal", version=version, torque=torque, distance=distance)
-    found = read_calibration(tmp_path / "a.cal")
-    np.testing.assert_allclose(found.matrix, matrix, rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(found.axis_range, [50, 50, 70, 0.5, 0.5, 0.5])
-    assert (found.serial, found.part) == ("FT00001", "SI-50-0.5")
+    result = read_calibration(tmp_path / "a.cal")
+    np.testing.assert_allclose(result.matrix, matrix, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(result.axis_range, [50, 50, 70, 0.5, 0.5, 0.5])
+    assert (result.serial, result.part) == ("FT00001", "SI-50-0.5")
 
 
 def gauge_file(path: Path, matrix: np.ndarray, *, unit: str = "V", factor: float = 1.0) -> None:
-    time, moved, force = truth()
+    time, shifted, force = truth()
     load = np.zeros((6, len(time)))
     load[2] = force
     volts = (np.linalg.solve(matrix, load) + 0.1 * np.arange(6)[:, None]) / factor
     head = "Time [s],z [mm]," + ",".join(f"G{i} [{unit}]" for i in range(6)) + "\n"
     rows = "".join(
-        ",".join(f"{v:.15g}" for v in row) + "\n" for row in np.column_stack([time, moved, *volts])
+        ",".join(f"{v:.15g}" for v in row) + "\n"
+        for row in np.column_stack([time, shifted, *volts])
     )
     path.write_text(head + rows)
 
@@ -54,28 +55,28 @@ def test_gauges_become_the_force(tmp_path: Path, unit: str, factor: float) -> No
 
 def test_overload_is_noted(tmp_path: Path) -> None:
     matrix = cal(tmp_path / "a.cal", version="1.1")
-    found = read_calibration(tmp_path / "a.cal")
+    result = read_calibration(tmp_path / "a.cal")
     volts = np.linalg.solve(matrix, np.array([[0], [0], [66.0], [0], [0], [0]]))
-    load = found.compute_load(volts)
+    load = result.compute_load(volts)
     assert load[2, 0] == pytest.approx(66.0)
-    assert found.note_overloads(load) == [
+    assert result.note_overloads(load) == [
         "Fz reaches 94 % of its range 70 N: a transducer may saturate before its limit"
     ]
 
 
 def test_little_of_the_range_is_noted(tmp_path: Path) -> None:
     cal(tmp_path / "a.cal", version="1.1")
-    found = read_calibration(tmp_path / "a.cal")
+    result = read_calibration(tmp_path / "a.cal")
     # the paper's seal: 2.117728 N are 3 % of the range
-    assert found.note_small_loads(np.full((6, 3), 2.117728), "Fz") == [
+    assert result.note_small_loads(np.full((6, 3), 2.117728), "Fz") == [
         (
             "Fz reaches 3 % of its range 70 N: what its maker states as a part of the range is 33 "
             "times that part of this load"
         )
     ]
-    assert found.note_small_loads(np.full((6, 3), 3.49), "Fz")
-    assert not found.note_small_loads(np.full((6, 3), 3.51), "Fz")
-    assert not found.note_small_loads(np.zeros((6, 3)), "Fz")
+    assert result.note_small_loads(np.full((6, 3), 3.49), "Fz")
+    assert not result.note_small_loads(np.full((6, 3), 3.51), "Fz")
+    assert not result.note_small_loads(np.zeros((6, 3)), "Fz")
 
 
 def test_bad_calibrations(tmp_path: Path) -> None:

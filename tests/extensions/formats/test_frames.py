@@ -16,9 +16,9 @@ from kit.foreign.files import press_and_hold
 import dashpot as dp
 from dashpot.base.errors import DataError, ReadError
 
-TIME, MOVED, FORCE = press_and_hold(20.0)
-COLUMNS = {"time [s]": TIME, "displacement [mm]": MOVED, "force [N]": FORCE}
-BARE = {"t": TIME, "x": MOVED, "F": FORCE}
+TIME, DISPLACEMENT, FORCE = press_and_hold(20.0)
+COLUMNS = {"time [s]": TIME, "displacement [mm]": DISPLACEMENT, "force [N]": FORCE}
+BARE = {"t": TIME, "x": DISPLACEMENT, "F": FORCE}
 
 
 def stated_in_attributes() -> pd.DataFrame:
@@ -31,7 +31,7 @@ def dataset(**of_force: Any) -> xr.Dataset:
     return xr.Dataset(
         {
             "force": ("time", FORCE, {"units": "N", **of_force}),
-            "displacement": ("time", MOVED, {"units": "mm"}),
+            "displacement": ("time", DISPLACEMENT, {"units": "mm"}),
         },
         coords={"time": ("time", TIME, {"units": "s"})},
     )
@@ -40,7 +40,7 @@ def dataset(**of_force: Any) -> xr.Dataset:
 def make_time_stamped_frame() -> pd.DataFrame:
     began = np.datetime64("2026-03-01T08:00:00", "ns")
     index = pd.DatetimeIndex(began + np.round(TIME * 1e9).astype("timedelta64[ns]"))
-    return pd.DataFrame({"travel_mm": MOVED, "force_N": FORCE}, index=index)
+    return pd.DataFrame({"travel_mm": DISPLACEMENT, "force_N": FORCE}, index=index)
 
 
 def twice() -> pd.DataFrame:
@@ -73,14 +73,14 @@ def test_read_takes_a_table_in_memory(frame: Any) -> None:
     test = dp.read(frame)
     np.testing.assert_allclose(test.force, FORCE, rtol=1e-14)
     np.testing.assert_allclose(test.time, TIME, atol=1e-9)
-    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, rtol=1e-12)
+    np.testing.assert_allclose(test.displacement, DISPLACEMENT * 1e-3, rtol=1e-12)
 
 
 def test_read_asks_for_units_of_a_table_with_the_line_to_type() -> None:
     with pytest.raises(ReadError, match=r"DataFrame: .* has no unit.*\(Python: dp\.read\(frame, "):
         dp.read(pd.DataFrame(BARE))
-    said = dp.read(pd.DataFrame(BARE), units={"time": "s", "displacement": "mm", "force": "N"})
-    np.testing.assert_allclose(said.force, FORCE)
+    message = dp.read(pd.DataFrame(BARE), units={"time": "s", "displacement": "mm", "force": "N"})
+    np.testing.assert_allclose(message.force, FORCE)
 
 
 def test_blank_cells_of_a_table_are_no_numbers() -> None:
@@ -104,13 +104,13 @@ def test_read_refuses_a_table_without_a_test() -> None:
 
 
 def test_fit_takes_tables_and_arrays_as_records() -> None:
-    test = dp.RelaxationTest(TIME, MOVED, FORCE, units="s, mm, N")
+    test = dp.RelaxationTest(TIME, DISPLACEMENT, FORCE, units="s, mm, N")
     expected = dp.fit(test, arms=2).model.k_inf
-    arrays = dp.fit(TIME, MOVED, FORCE, units="s, mm, N", arms=2)
+    arrays = dp.fit(TIME, DISPLACEMENT, FORCE, units="s, mm, N", arms=2)
     assert arrays.model.k_inf == pytest.approx(expected, rel=1e-9)
     assert dp.fit(pd.DataFrame(COLUMNS), arms=2).model.k_inf == pytest.approx(expected, rel=1e-9)
-    said = dp.fit(pd.DataFrame(BARE), arms=2, units={"t": "s", "x": "mm", "F": "N"})
-    assert said.model.k_inf == pytest.approx(expected, rel=1e-9)
+    message = dp.fit(pd.DataFrame(BARE), arms=2, units={"t": "s", "x": "mm", "F": "N"})
+    assert message.model.k_inf == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("make", [pd.Series, pl.Series, xr.DataArray, np.array, list])
@@ -135,7 +135,7 @@ def test_single_column_of_a_table_is_refused_with_what_to_give(make: Callable[[A
 
 def test_fit_shows_the_line_to_type_for_arrays() -> None:
     with pytest.raises(DataError, match=r"arrays have no units. Say them: dp\.fit\(time, "):
-        dp.fit(TIME, MOVED, FORCE)
+        dp.fit(TIME, DISPLACEMENT, FORCE)
     with pytest.raises(DataError, match=r"2 arrays are no test\. Give three"):
         dp.fit(TIME, FORCE, units="s, N")
 
@@ -155,10 +155,10 @@ def test_inspect_takes_a_table_in_memory(frame: Any) -> None:
 
 def test_lists_and_units_by_role_are_arrays() -> None:
     units = {"time": "s", "displacement": "mm", "force": "N"}
-    fit = dp.fit(list(TIME), list(MOVED), list(FORCE), units=units, arms=1)
-    assert fit.model == dp.fit(TIME, MOVED, FORCE, units="s, mm, N", arms=1).model
+    fit = dp.fit(list(TIME), list(DISPLACEMENT), list(FORCE), units=units, arms=1)
+    assert fit.model == dp.fit(TIME, DISPLACEMENT, FORCE, units="s, mm, N", arms=1).model
     with pytest.raises(DataError, match="time, displacement, force"):
-        dp.fit(TIME, MOVED, FORCE, units={"time": "s"})
+        dp.fit(TIME, DISPLACEMENT, FORCE, units={"time": "s"})
     with pytest.raises(DataError, match="one by one"):
         dp.fit([dp.read(FRAMES["pandas"])])
 

@@ -30,7 +30,7 @@ from dashpot.reading.readers.relaxation import read_relaxation
 
 WRITTEN = Path(__file__).parents[2] / "data" / "asammdf"
 TRUTH = json.loads((WRITTEN / "truth.json").read_text("utf-8"))
-TIME, MOVED, FORCE = press_and_hold(20.0)
+TIME, DISPLACEMENT, FORCE = press_and_hold(20.0)
 COUNTS = np.round(FORCE / 1e-3).astype(int)
 
 
@@ -39,7 +39,9 @@ def clock(time=TIME, **more) -> Channel:
 
 
 def bench(**force) -> Group:
-    return Group([clock(), Channel("Travel", MOVED, "mm"), Channel("Force", FORCE, "N", **force)])
+    return Group(
+        [clock(), Channel("Travel", DISPLACEMENT, "mm"), Channel("Force", FORCE, "N", **force)]
+    )
 
 
 def columns(data: bytes, sheet: str | None = None) -> dict[str, np.ndarray]:
@@ -79,7 +81,7 @@ def test_files_of_asammdf_are_read_as_it_reads_them(name: str) -> None:
 def test_mdf_reads_five_layouts_of_data(tmp_path: Path, how: str) -> None:
     test = read_relaxation(save(tmp_path / "a.mf4", mdf4([bench()], how=how)))
     np.testing.assert_allclose(test.force, FORCE, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, rtol=1e-12)
+    np.testing.assert_allclose(test.displacement, DISPLACEMENT * 1e-3, rtol=1e-12)
     np.testing.assert_allclose(test.time, TIME, rtol=0, atol=1e-12)
 
 
@@ -133,7 +135,11 @@ def test_marks_of_invalid_numbers(tmp_path: Path) -> None:
     marked = (TIME > 20) & (TIME < 20.2)
     wild = np.where(marked, 1e4, FORCE)
     group = Group(
-        [clock(), Channel("Travel", MOVED, "mm"), Channel("Force", wild, "N", invalid=marked)]
+        [
+            clock(),
+            Channel("Travel", DISPLACEMENT, "mm"),
+            Channel("Force", wild, "N", invalid=marked),
+        ]
     )
     path = save(tmp_path / "a.mf4", mdf4([group]))
     read = columns(path.read_bytes())["Force"]
@@ -166,7 +172,7 @@ def test_mdf_takes_the_slower_clock_of_force_and_travel(
     """Straight lines between slow samples would be taken for a record of the fast ones."""
     late = TIME[::2] + 0.013
     slow, fast = ("Force", "Travel") if force_is_slow else ("Travel", "Force")
-    numbers, unit = {"Force": FORCE, "Travel": MOVED}, {"Force": "N", "Travel": "mm"}
+    numbers, unit = {"Force": FORCE, "Travel": DISPLACEMENT}, {"Force": "N", "Travel": "mm"}
     wire = Group(
         [clock(late), Channel(slow, np.interp(late, TIME, numbers[slow]), unit[slow])], "wire"
     )
@@ -210,7 +216,7 @@ def halves(more: int) -> tuple[Group, Group]:
     """Two halves of one record, of which one has a channel more."""
     parts = []
     for at, part in enumerate((slice(0, 400), slice(400, None))):
-        group = [clock(TIME[part]), Channel("Travel", MOVED[part], "mm")]
+        group = [clock(TIME[part]), Channel("Travel", DISPLACEMENT[part], "mm")]
         group.append(Channel("Force", FORCE[part], "N"))
         if at == more:
             group.append(Channel("Temp", TIME[part], "degC"))
@@ -219,7 +225,7 @@ def halves(more: int) -> tuple[Group, Group]:
 
 
 RIVAL = Channel("Force ref", 2 * FORCE, "N")
-TAKEN = [clock(), Channel("Travel", MOVED, "mm"), RIVAL]
+TAKEN = [clock(), Channel("Travel", DISPLACEMENT, "mm"), RIVAL]
 NAMES = (7, [float(k) for k in range(13)], [f"{k} N" for k in range(13)])
 DROPPED = {
     "first half": (mdf4(*([half] for half in halves(0))), "shares no time"),
@@ -300,12 +306,12 @@ def test_groups_with_the_same_channels_are_segments(tmp_path: Path) -> None:
 def test_mdf_3_of_both_byte_orders(tmp_path: Path, order: str) -> None:
     made = [
         Channel("t", TIME, "s", f"{order}f8", sync=1),
-        Channel("Travel", MOVED, "mm", f"{order}f4"),
+        Channel("Travel", DISPLACEMENT, "mm", f"{order}f4"),
         Channel("Force", COUNTS, "N", f"{order}i2", conversion=(0, [0.0, 1e-3], ())),
     ]
     test = read_relaxation(save(tmp_path / "a.dat", mdf3(made, order=order)))
     np.testing.assert_allclose(test.force, COUNTS * 1e-3)
-    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, atol=1e-9)
+    np.testing.assert_allclose(test.displacement, DISPLACEMENT * 1e-3, atol=1e-9)
 
 
 def test_numbers_of_the_other_byte_order_than_the_blocks() -> None:
@@ -392,9 +398,9 @@ def test_a_block_of_zeros_unpacks_to_no_more_than_it_says() -> None:
     body = pack_block(bytes(64 << 20), message=25 * 840)
     place = data.find(b"##DZ")
     bomb = struct.pack("<4s4xQQ", b"##DZ", 24 + len(body), 0) + body
-    moved = data[:place] + bomb + data[place:]
+    shifted = data[:place] + bomb + data[place:]
     with pytest.raises(ReadError):
-        columns(moved[: place + len(bomb)] + bytes(1000))
+        columns(shifted[: place + len(bomb)] + bytes(1000))
 
 
 FILES = {
@@ -454,9 +460,9 @@ print(json.dumps([found.kind, found.rows, len(found.columns), own, child]))
 
 def test_a_large_file_is_read_by_column(tmp_path: Path) -> None:
     time = np.arange(400_000) * 1e-2
-    moved, force = np.interp(time, TIME, MOVED), np.interp(time, TIME, FORCE)
+    shifted, force = np.interp(time, TIME, DISPLACEMENT), np.interp(time, TIME, FORCE)
     counts = np.zeros(len(time), "<i2")
-    group = [clock(time), Channel("Travel", moved, "mm"), Channel("Force", force, "N")]
+    group = [clock(time), Channel("Travel", shifted, "mm"), Channel("Force", force, "N")]
     group += [Channel(f"gauge {k}", counts, "um/m", "<i2") for k in range(37)]
     path = tmp_path / "large.mf4"
     records = np.zeros(len(time), [(c.name, c.dtype) for c in group] + [("marks", "u1")])
@@ -476,6 +482,6 @@ def test_a_large_file_is_read_by_column(tmp_path: Path) -> None:
         [sys.executable, "-c", PROBE, path], capture_output=True, text=True, check=True,
         env={"PYTHONPATH": ":".join(sys.path)},
     )  # fmt: skip
-    kind, rows, count, own, child = json.loads(done.stdout)
+    kind, rows, count, specific, child = json.loads(done.stdout)
     assert (kind, rows, count) == ("relaxation", 400_000, 40)
-    assert max(own, child) < 200  # MB; as floats they are 128 MB, and twice that on the way
+    assert max(specific, child) < 200  # MB; as floats they are 128 MB, and twice that on the way

@@ -11,7 +11,7 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.inspect import inspect_file
 from dashpot.reading.readers.relaxation import read_relaxation
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 
 
 def write(path, head, *columns):
@@ -25,25 +25,25 @@ def test_read_notes_a_sensor_that_is_partly_a_copy(tmp_path, share, noted) -> No
     """Of a part of the rows: of none there is nothing to say, of all it is one channel twice."""
     other = np.where(np.arange(len(TIME)) < share * len(TIME), FORCE, 1.4 * FORCE + 0.01)
     head = "Time [s];Displacement [mm];Force A [N];Force B [N]"
-    path = write(tmp_path / "cells.csv", head, TIME, MOVED, FORCE, other)
+    path = write(tmp_path / "cells.csv", head, TIME, DISPLACEMENT, FORCE, other)
     test = read_relaxation(path, options=ReadOptions(force="Force A"))
-    said = [note for note in test.source.notes if "hold the same numbers in" in note]
-    assert bool(said) == noted
+    message = [note for note in test.source.notes if "hold the same numbers in" in note]
+    assert bool(message) == noted
 
 
 def test_read_refuses_a_segment_that_is_not_there(tmp_path) -> None:
     head = "Specimen;Time [s];Displacement [mm];Force [N]"
     label = np.repeat([1.0, 2.0], len(TIME))
-    columns = (np.tile(values, 2) for values in (TIME, MOVED, FORCE))
+    columns = (np.tile(values, 2) for values in (TIME, DISPLACEMENT, FORCE))
     path = write(tmp_path / "seals.csv", head, label, *columns)
-    with pytest.raises(ReadError, match="the file has 2 segments"):
+    with pytest.raises(ReadError, match="the file has two segments"):
         read_relaxation(path, options=ReadOptions(segment=3))
 
 
 def test_inspect_lists_specimens_with_their_answers(tmp_path) -> None:
     head = "Specimen;Time [s];Displacement [mm];Force [N]"
     label = np.repeat([7.0, 9.0], len(TIME))
-    columns = (np.tile(values, 2) for values in (TIME, MOVED, FORCE))
+    columns = (np.tile(values, 2) for values in (TIME, DISPLACEMENT, FORCE))
     seen = inspect_file(write(tmp_path / "seals.csv", head, label, *columns))
     assert [segment.name for segment in seen.segments] == ["7", "9"]
     (question,) = seen.questions
@@ -52,7 +52,7 @@ def test_inspect_lists_specimens_with_their_answers(tmp_path) -> None:
 
 @pytest.mark.parametrize("rows", [1, 5])
 def test_padding_is_no_specimen(tmp_path, rows) -> None:
-    columns = [np.concatenate([values, np.zeros(rows)]) for values in (TIME, MOVED, FORCE)]
+    columns = [np.concatenate([values, np.zeros(rows)]) for values in (TIME, DISPLACEMENT, FORCE)]
     path = write(tmp_path / "a.csv", "Time [s];Displacement [mm];Force [N]", *columns)
     assert not inspect_file(path).questions
     assert len(read_relaxation(path).time) == len(TIME)
@@ -61,7 +61,7 @@ def test_padding_is_no_specimen(tmp_path, rows) -> None:
 @pytest.mark.parametrize("label", [np.arange(len(TIME)) + 1.0, np.zeros(len(TIME))])
 def test_a_count_of_samples_is_no_specimen(tmp_path, label) -> None:
     head = "Sample;Time [s];Displacement [mm];Force [N]"
-    path = write(tmp_path / "a.csv", head, label, TIME, MOVED, FORCE)
+    path = write(tmp_path / "a.csv", head, label, TIME, DISPLACEMENT, FORCE)
     assert len(read_relaxation(path).time) == len(TIME)
 
 
@@ -78,7 +78,7 @@ def test_a_count_of_samples_is_no_specimen(tmp_path, label) -> None:
 def test_inspect_asks_once_which_of_two_specimens_side_by_side(
     tmp_path, suffix, heads, clocks
 ) -> None:
-    columns = [TIME, MOVED, FORCE, *([TIME] if clocks else []), MOVED, 1.1 * FORCE]
+    columns = [TIME, DISPLACEMENT, FORCE, *([TIME] if clocks else []), DISPLACEMENT, 1.1 * FORCE]
     path = tmp_path / f"seals{suffix}"
     if suffix == ".csv":
         write(path, "\n".join(heads), *columns)

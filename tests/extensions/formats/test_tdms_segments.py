@@ -16,7 +16,7 @@ from dashpot.reading.readers.detect_kind import recognise
 from dashpot.reading.readers.relaxation import read_relaxation
 
 RATE = 20.0
-TIME, MOVED, FORCE = press_and_hold(RATE)
+TIME, DISPLACEMENT, FORCE = press_and_hold(RATE)
 HALF = len(TIME) // 2
 UNITS = {"Displacement": "mm", "Force": "N"}
 BEGUN = np.datetime64("2026-03-01T08:00:00", "us")
@@ -30,11 +30,11 @@ LINEAR = {
 def segment(part: slice, **more: Any) -> list[ChannelObject]:
     """Both channels of a part of the record, `more` being of the force."""
     channels = []
-    for name, values in (("Displacement", MOVED), ("Force", FORCE)):
-        own = {"wf_increment": 1 / RATE, "unit_string": UNITS[name]}
-        own |= more if name == "Force" else {}
-        own = {key: value for key, value in own.items() if value is not None}
-        channels.append(ChannelObject("g", name, values[part], own))
+    for name, values in (("Displacement", DISPLACEMENT), ("Force", FORCE)):
+        specific = {"wf_increment": 1 / RATE, "unit_string": UNITS[name]}
+        specific |= more if name == "Force" else {}
+        specific = {key: value for key, value in specific.items() if value is not None}
+        channels.append(ChannelObject("g", name, values[part], specific))
     return channels
 
 
@@ -103,8 +103,8 @@ def test_tdms_joins_continuing_segments(tmp_path: Path) -> None:
     ):
         segments = [
             [
-                ChannelObject("g", one.channel, one.data, {**one.properties, key: start})
-                for one in segment(part)
+                ChannelObject("g", item.channel, item.data, {**item.properties, key: start})
+                for item in segment(part)
             ]
             for part, start in zip((FIRST, SECOND), starts, strict=True)
         ]
@@ -144,11 +144,11 @@ def test_a_channel_that_started_later_is_shifted(tmp_path: Path, late: int) -> N
         ChannelObject("g", name, values, {"wf_increment": 1 / RATE, "unit_string": UNITS[name],
                                           "wf_start_time": start})
         for name, values, start in (
-            ("Displacement", MOVED, BEGUN), ("Force", FORCE[late:], started)
+            ("Displacement", DISPLACEMENT, BEGUN), ("Force", FORCE[late:], started)
         )
     ]  # fmt: skip
     test = read_relaxation(save(tmp_path / "a.tdms", channels))
-    np.testing.assert_allclose(test.displacement, 1e-3 * MOVED[late:], atol=1e-12)
+    np.testing.assert_allclose(test.displacement, 1e-3 * DISPLACEMENT[late:], atol=1e-12)
     np.testing.assert_allclose(test.force, FORCE[late:])
 
 
@@ -156,7 +156,7 @@ def test_tdms_refuses_different_starts_without_a_clock(tmp_path: Path) -> None:
     channels = [
         ChannelObject("g", name, values, {"unit_string": unit, "wf_start_time": start})
         for name, unit, values, start in (
-            ("Time", "s", TIME, BEGUN), ("Displacement", "mm", MOVED, BEGUN),
+            ("Time", "s", TIME, BEGUN), ("Displacement", "mm", DISPLACEMENT, BEGUN),
             ("Force", "N", FORCE, BEGUN + np.timedelta64(100, "ms")),
         )
     ]  # fmt: skip
@@ -170,7 +170,7 @@ def test_instants_are_a_clock(tmp_path: Path) -> None:
         ChannelObject("g", "Time", stamps),
         *(
             ChannelObject("g", name, values, {"unit_string": UNITS[name]})
-            for name, values in (("Displacement", MOVED), ("Force", FORCE))
+            for name, values in (("Displacement", DISPLACEMENT), ("Force", FORCE))
         ),
     ]
     path = save(tmp_path / "a.tdms", channels)
@@ -198,7 +198,7 @@ def test_a_factor_of_a_group_is_a_caution(tmp_path: Path) -> None:
 
 def write_rates(path: Path, **steps: int) -> Path:
     """Each channel with every so many samples of the record, and a temperature once a second."""
-    arrays = {"Displacement": (MOVED, "mm"), "Force": (FORCE, "N"), "Temp": (TIME, "degC")}
+    arrays = {"Displacement": (DISPLACEMENT, "mm"), "Force": (FORCE, "N"), "Temp": (TIME, "degC")}
     with TdmsWriter(str(path)) as writer:
         writer.write_segment([
             ChannelObject("g", name, values[:: steps.get(name, 1)], {
@@ -215,7 +215,7 @@ def test_channels_of_two_rates_stand_at_the_instants_of_the_slower(
     test = read_relaxation(write_rates(tmp_path / "a", Temp=20, **{slow: 2}))
     np.testing.assert_allclose(test.time, TIME[::2])
     np.testing.assert_allclose(test.force, FORCE[::2])
-    np.testing.assert_allclose(test.displacement, 1e-3 * MOVED[::2], rtol=1e-12)
+    np.testing.assert_allclose(test.displacement, 1e-3 * DISPLACEMENT[::2], rtol=1e-12)
     assert any("sampled at different steps" in note for note in test.source.notes)
 
 

@@ -82,9 +82,9 @@ def test_first_bytes_of_each_named_container_are_registered() -> None:
 
 def test_a_matlab_file_of_version_4_is_read(tmp_path: Path) -> None:
     time = np.arange(200) / 10
-    moved = 5 * np.clip(time - 1, 0, 1)
-    content = {"time_s": time, "displacement_mm": moved, "force_N": 3 * moved}
+    shifted = 5 * np.clip(time - 1, 0, 1)
+    content = {"time_s": time, "displacement_mm": shifted, "force_N": 3 * shifted}
     savemat(tmp_path / "old.mat", content, format="4")
     test = read_relaxation(tmp_path / "old.mat")
-    np.testing.assert_allclose(test.force, 3 * moved)
+    np.testing.assert_allclose(test.force, 3 * shifted)
     np.testing.assert_allclose(test.displacement, 5e-3 * np.clip(time - 1, 0, 1))

@@ -17,8 +17,8 @@ from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 
 RATE = 20
-TIME, MOVED, FORCE = press_and_hold(RATE)
-PARTS = np.column_stack([MOVED / 10, FORCE / 50])
+TIME, DISPLACEMENT, FORCE = press_and_hold(RATE)
+PARTS = np.column_stack([DISPLACEMENT / 10, FORCE / 50])
 
 
 @pytest.mark.parametrize("kind", ["i2", "i4", "f4", "f8"])
@@ -31,7 +31,7 @@ def test_samples_are_parts_of_full_scale(tmp_path: Path, kind: str) -> None:
     )
     test = read_relaxation(tmp_path / "a.wav", options=options)
     np.testing.assert_allclose(test.force, FORCE, atol=50 / 2**15)
-    np.testing.assert_allclose(test.displacement, MOVED * 1e-3, atol=0.01 / 2**15)
+    np.testing.assert_allclose(test.displacement, DISPLACEMENT * 1e-3, atol=0.01 / 2**15)
     np.testing.assert_allclose(test.time, TIME, atol=1e-12)
 
 
@@ -39,9 +39,9 @@ def test_wav_asks_for_its_full_scale(tmp_path: Path) -> None:
     wavfile.write(tmp_path / "a.wav", RATE, PARTS)
     with pytest.raises(ReadError, match='--units "displacement=50mm,force=50N"'):
         read_relaxation(tmp_path / "a.wav", options=ReadOptions(displacement="2", force="3"))
-    said = ReadOptions(displacement="2", force="3", units={"displacement": "10mm"})
+    message = ReadOptions(displacement="2", force="3", units={"displacement": "10mm"})
     with pytest.raises(ReadError, match='1 = full scale; add --units "force=50N"'):
-        read_relaxation(tmp_path / "a.wav", options=said)
+        read_relaxation(tmp_path / "a.wav", options=message)
 
 
 def wav(data: bytes, *, bits: int = 24, kind: int = 1, size: int | None = None) -> bytes:

@@ -19,7 +19,7 @@ from dashpot.reading.raw_file import RawFile
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers.relaxation import read_relaxation
 
-TIME, MOVED, FORCE = press_and_hold(10.0)
+TIME, DISPLACEMENT, FORCE = press_and_hold(10.0)
 HEAD = ["Time [s]", "Displacement [mm]", "Force [N]"]
 
 
@@ -49,14 +49,14 @@ def test_decimal_commas_as_text_are_numbers(
     """In any column, in a few of the cells or in all."""
     pick = random.Random(column)  # noqa: S311
     rows: list[list[object]] = []
-    for row in zip(TIME, MOVED, FORCE, strict=True):
+    for row in zip(TIME, DISPLACEMENT, FORCE, strict=True):
         cells: list[object] = [round(float(value), digits) for value in row]
         if pick.random() < share:
             cells[column] = comma(float(row[column]), digits)
         rows.append(cells)
     test = read_relaxation(xlsx(tmp_path / "a.xlsx", [HEAD, *rows]))
     np.testing.assert_allclose(test.time, TIME, atol=0.51 * 10.0**-digits)
-    np.testing.assert_allclose(test.displacement, 1e-3 * MOVED, atol=0.51e-3 * 10.0**-digits)
+    np.testing.assert_allclose(test.displacement, 1e-3 * DISPLACEMENT, atol=0.51e-3 * 10.0**-digits)
     np.testing.assert_allclose(test.force, FORCE, atol=0.51 * 10.0**-digits)
     assert not test.source.cautions
 
@@ -64,7 +64,7 @@ def test_decimal_commas_as_text_are_numbers(
 def test_workbook_asks_about_ambiguous_commas(tmp_path: Path) -> None:
     rows = [
         [float(t), float(x), comma(max(float(f), 0) + 1, 3) if i % 3 else float(f) + 1]
-        for i, (t, x, f) in enumerate(zip(TIME, MOVED, FORCE, strict=True))
+        for i, (t, x, f) in enumerate(zip(TIME, DISPLACEMENT, FORCE, strict=True))
     ]
     path = xlsx(tmp_path / "a.xlsx", [HEAD, *rows])
     with pytest.raises(ReadError, match="say which with --text-format decimal"):
@@ -76,7 +76,7 @@ def test_workbook_asks_about_ambiguous_commas(tmp_path: Path) -> None:
 def test_workbook_reads_thousands_points_with_decimal_commas(tmp_path: Path) -> None:
     rows = [
         [float(t), float(x), f"{1e3 * f + 2e3:,.1f}".translate(str.maketrans(",.", ".,"))]
-        for t, x, f in zip(TIME, MOVED, FORCE, strict=True)
+        for t, x, f in zip(TIME, DISPLACEMENT, FORCE, strict=True)
     ]
     path = xlsx(tmp_path / "a.xlsx", [[*HEAD[:2], "Force [mN]"], *rows])
     np.testing.assert_allclose(read_relaxation(path).force, FORCE + 2, atol=1e-4)
@@ -92,7 +92,9 @@ def test_a_clock_of_xlsx_past_24_hours(
     tmp_path: Path, style: str, begins: float, step: float
 ) -> None:
     at = begins + step * np.arange(len(TIME))
-    rows = [[t / 86400, float(x), float(f)] for t, x, f in zip(at, MOVED, FORCE, strict=True)]
+    rows = [
+        [t / 86400, float(x), float(f)] for t, x, f in zip(at, DISPLACEMENT, FORCE, strict=True)
+    ]
     path = xlsx(tmp_path / "a.xlsx", [["Time", *HEAD[1:]], *rows], style)
     test = read_relaxation(path)
     assert len(test.time) == len(TIME)
@@ -112,8 +114,8 @@ def test_a_clock_of_xlsx_past_the_29th_of_february_1900(
     with path.open("rb") as stream:
         lines = sheets(RawFile(path.name, None, stream.read()), ReadOptions())["Sheet"].decode()
     clocks = [line.split("\t")[0].split(":") for line in lines.splitlines()[1:]]
-    found = [3600 * float(h) + 60 * float(m) + float(s) for h, m, s in clocks]
-    np.testing.assert_allclose(found, at, atol=2e-3)
+    result = [3600 * float(h) + 60 * float(m) + float(s) for h, m, s in clocks]
+    np.testing.assert_allclose(result, at, atol=2e-3)
 
 
 def iso(seconds: float) -> str:
@@ -126,16 +128,16 @@ def iso(seconds: float) -> str:
 def test_a_clock_of_ods_past_24_hours(tmp_path: Path, begins: float) -> None:
     at = begins + 10 * 60 * TIME
     names = "".join(
-        f'<table:table-cell office:value-type="string"><text:p>{one}</text:p></table:table-cell>'
-        for one in ("Time", *HEAD[1:])
+        f'<table:table-cell office:value-type="string"><text:p>{item}</text:p></table:table-cell>'
+        for item in ("Time", *HEAD[1:])
     )
     rows = [f"<table:table-row>{names}</table:table-row>"]
-    for row in zip(at, MOVED, FORCE, strict=True):
+    for row in zip(at, DISPLACEMENT, FORCE, strict=True):
         t, *others = map(float, row)
         cells = f'<table:table-cell office:value-type="time" office:time-value="{iso(t)}"/>'
         cells += "".join(
-            f'<table:table-cell office:value-type="float" office:value="{one!r}"/>'
-            for one in others
+            f'<table:table-cell office:value-type="float" office:value="{other!r}"/>'
+            for other in others
         )
         rows.append(f"<table:table-row>{cells}</table:table-row>")
     ods(tmp_path / "a.ods", "".join(rows))
@@ -149,7 +151,7 @@ def test_dates_of_today_stay_dates(tmp_path: Path) -> None:
     begun = dt.datetime(2026, 3, 1, 23, 59, 50)
     rows = [
         [begun + dt.timedelta(seconds=float(t)), float(x), float(f)]
-        for t, x, f in zip(TIME, MOVED, FORCE, strict=True)
+        for t, x, f in zip(TIME, DISPLACEMENT, FORCE, strict=True)
     ]
     path = xlsx(tmp_path / "a.xlsx", [["Time", *HEAD[1:]], *rows], "yyyy-mm-dd hh:mm:ss.000")
     test = read_relaxation(path)

@@ -549,14 +549,14 @@ def test_recorded_loops_make_the_map_of_their_part(tmp_path: Path):
         stated.append((name, 1e-3 * c))
     sweeps = read_sweeps([tmp_path / name for name, _ in stated], compressions=stated)
     assert len(sweeps) == len(COMPRESSIONS) * len(AMPLITUDES)
-    found = fit_preload_map(sweeps, gain_error=0.0, phase_error=0.0)
-    assert len(found.pairs) == 3
-    assert all(pair.chance > 1e-3 for pair in found.pairs)
+    result = fit_preload_map(sweeps, gain_error=0.0, phase_error=0.0)
+    assert len(result.pairs) == 3
+    assert all(pair.chance > 1e-3 for pair in result.pairs)
     f = np.array([1.0, 1.5, 5.0, 15.0, 20.0])
     for c in COMPRESSIONS:
         for X in AMPLITUDES:
             # the nominal setting is inside, though its loops were measured a little smaller
-            at = found.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
+            at = result.evaluate(f, compression=1e-3 * c, amplitude=1e-3 * X)
             assert at.value == pytest.approx(part.stiffness(f, c, X), rel=1e-3)
 
 
@@ -569,8 +569,8 @@ def test_loops_of_a_part_that_is_not_separable_make_no_map_for_use(tmp_path: Pat
         (tmp_path / name).write_text(loop_record(part, c, r), encoding="utf-8")
         stated.append((name, 1e-3 * c))
     files = [tmp_path / name for name, _ in stated]
-    found = fit_preload_map(read_sweeps(files, compressions=stated))
-    assert found.verdict.use != "use"
+    result = fit_preload_map(read_sweeps(files, compressions=stated))
+    assert result.verdict.use != "use"
 
 
 def test_loops_without_a_stated_compression_are_refused(tmp_path: Path):

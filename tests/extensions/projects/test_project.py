@@ -465,15 +465,15 @@ def test_find_largest_difference_leaves_what_rounding_decides():
         keys = ("k", "tau", "b")
         return {"model": {"arms": [dict(zip(keys, arm, strict=True)) for arm in arms]}}
 
-    one = write_model((1.0, 0.1, 0.1), (2.0, 0.1, 0.2), (5.0, 2.0, 10.0))
+    item = write_model((1.0, 0.1, 0.1), (2.0, 0.1, 0.2), (5.0, 2.0, 10.0))
     other = write_model((1.5, 0.1, 0.15), (1.5, 0.1 + 1e-9, 0.15), (5.0, 2.0, 10.0))
     merged = write_model((3.0, 0.1, 0.3), (5.0, 2.0, 10.0))
-    assert find_largest_difference(one, other)[0] < SAME_NUMBER_TOLERANCE
-    assert find_largest_difference(one, merged)[0] < SAME_NUMBER_TOLERANCE
-    apart = write_model((1.5, 0.1, 0.15), (1.5, 0.1001, 0.15), (5.0, 2.0, 10.0))
-    assert find_largest_difference(one, apart)[0] > SAME_NUMBER_TOLERANCE
+    assert find_largest_difference(item, other)[0] < SAME_NUMBER_TOLERANCE
+    assert find_largest_difference(item, merged)[0] < SAME_NUMBER_TOLERANCE
+    separate = write_model((1.5, 0.1, 0.15), (1.5, 0.1001, 0.15), (5.0, 2.0, 10.0))
+    assert find_largest_difference(item, separate)[0] > SAME_NUMBER_TOLERANCE
     more = write_model((1.5, 0.1, 0.15), (1.51, 0.1, 0.151), (5.0, 2.0, 10.0))
-    assert find_largest_difference(one, more)[0] > SAME_NUMBER_TOLERANCE
+    assert find_largest_difference(item, more)[0] > SAME_NUMBER_TOLERANCE
     gaps = [{"certificate": {"gap": gap}} for gap in (5.0e-14, 5.1e-14, 1e-3, np.nan)]
     assert find_largest_difference(*gaps[:2])[0] < SAME_NUMBER_TOLERANCE
     assert find_largest_difference(*gaps[1:3])[0] > SAME_NUMBER_TOLERANCE

@@ -478,9 +478,9 @@ def test_deck_of_arms_is_read_back_in_the_units_that_it_states(target, units, mo
     system = read_stated_units(deck, "deck", None)
     assert system.name == units
     (card,) = read_cards(deck, "deck", system, None)
-    found = card.convert_to_model(system, None)
+    result = card.convert_to_model(system, None)
     expected = model.complex_stiffness(frequency=HERTZ)
-    np.testing.assert_allclose(found.complex_stiffness(frequency=HERTZ), expected, rtol=1e-8)
+    np.testing.assert_allclose(result.complex_stiffness(frequency=HERTZ), expected, rtol=1e-8)
 
 
 def test_units_that_contradict_a_deck_are_refused():
@@ -563,8 +563,8 @@ def test_deck_of_a_material_is_imported_with_the_modulus_of_its_comments(
 def test_material_deck_without_a_shear_modulus_says_which_follow_from_the_fit(target: str) -> None:
     choices: dict[str, Any] = {"form": "prony", "units": "mm-t-s", "allow": ("all",)}
     message = r"modulus of 3\.6 MPa.*1\.2MPa, if in tension"
-    with pytest.raises(dp.ExportError, match=message) as found:
+    with pytest.raises(dp.ExportError, match=message) as result:
         TARGETS[target](a_fit(MATERIAL, unit="Pa"), **choices)
-    assert "part" not in str(found.value)
+    assert "part" not in str(result.value)
     with pytest.raises(dp.ExportError, match="which the stiffness of a part"):
         TARGETS[target](a_fit(TABLE_1), **choices)

@@ -9,7 +9,7 @@ import numpy as np
 from kit.crafted.row import Row
 from kit.look_alikes import ROWS, table, truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 HEAD = "Time (s);Displacement (mm);Force (N)\n"
 UNITS = {"units": {"time": "s", "displacement": "mm", "force": "N"}}
 
@@ -44,7 +44,7 @@ def _hardly_files() -> list[Row]:
         Row("no bytes", b"", "refused", ("is empty (0 bytes)",)),
         Row("blank lines alone", b"\n\n  \n", "refused", ("nothing but blank lines",)),
         Row("a header alone", HEAD.encode(), "refused", ("no numbers under the header",)),
-        Row("one row of numbers", HEAD.encode() + b"0;0;0\n", "refused", ("only 1 row of numbers", "at least 8")),
+        Row("one row of numbers", HEAD.encode() + b"0;0;0\n", "refused", ("only one row of numbers", "at least 8")),
         Row("a letter", b"Dear Sir,\nplease find no data here.\n", "refused", ("no numbers under the header",)),
         Row("bytes of no text", b"\x00\x01\x02\x03" * 400, "refused", ("not a text file",)),
         Row("a picture", b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR" + b"\x00\x10" * 200, "refused", ("not a text file",)),
@@ -72,13 +72,13 @@ def _list_other_kinds() -> list[Row]:
 
 def _open() -> list[Row]:
     """What a file of a bench leaves open."""
-    two = table(";", columns=(TIME, MOVED, MOVED + 1, FORCE))
-    three = table(";", columns=(TIME, MOVED, 0.1 * FORCE, 0.2 * FORCE, FORCE))
+    two = table(";", columns=(TIME, DISPLACEMENT, DISPLACEMENT + 1, FORCE))
+    three = table(";", columns=(TIME, DISPLACEMENT, 0.1 * FORCE, 0.2 * FORCE, FORCE))
     head = ";".join(("Time [s]", "Weg [mm]", "Kraft [N]") * 2)
-    both = table(";", columns=(TIME, MOVED, FORCE, TIME + 1, MOVED + 1, 2 * FORCE))
-    swapped = table(";", columns=(TIME, FORCE, MOVED))
-    volts = table(";", columns=(TIME, MOVED, FORCE / 2))
-    coarse = table(";", columns=(np.floor(TIME), MOVED, FORCE))
+    both = table(";", columns=(TIME, DISPLACEMENT, FORCE, TIME + 1, DISPLACEMENT + 1, 2 * FORCE))
+    swapped = table(";", columns=(TIME, FORCE, DISPLACEMENT))
+    volts = table(";", columns=(TIME, DISPLACEMENT, FORCE / 2))
+    coarse = table(";", columns=(np.floor(TIME), DISPLACEMENT, FORCE))
     named = {"time": "1", "displacement": "2", "force": "3", **UNITS}
     return [
         Row("a displacement without a unit", f"Time (s);Displacement;Force (N)\n{table(';')}".encode(), "asked", ("'Displacement' (displacement) has no unit", '--units "displacement=mm"'), answer={"units": {"displacement": "mm"}}),
@@ -92,7 +92,7 @@ def _open() -> list[Row]:
         Row("a displacement that relaxes under a force that is held", (HEAD + swapped).encode(), "refused", ("look swapped", "--column displacement=", "--column force=")),
         Row("a clock of whole seconds", (HEAD + coarse).encode(), "refused", ("time stamps repeat", "--rate 10Hz")),
         Row("a clock that begins again", (HEAD + 2 * table(";")).encode(), "asked", ("time falls from 5.9 s to 0 s", f"line {ROWS + 2}", "--file-part segment=1"), answer={"segment": 2}),
-        Row("no clock", f"Kraft_N;Position_mm\n{table(';', columns=(FORCE, MOVED), decimal=',')}".encode(), "refused", ("looks like time", "--rate 1000Hz")),
+        Row("no clock", f"Kraft_N;Position_mm\n{table(';', columns=(FORCE, DISPLACEMENT), decimal=',')}".encode(), "refused", ("looks like time", "--rate 1000Hz")),
     ]  # fmt: skip
 
 

@@ -35,7 +35,7 @@ def _steady(*, failed: bool) -> Callable[[Any, Row], None]:
 
 LEAPT = Truth("relaxation", read_relaxation, _steady(failed=True))
 """A record whose slow arms are not to be believed."""
-SOUND = Truth("relaxation", read_relaxation, _steady(failed=False))
+FAULTLESS = Truth("relaxation", read_relaxation, _steady(failed=False))
 """One whose clock is as it should be."""
 
 
@@ -100,9 +100,9 @@ CLOCKS = [
     Row("a clock that leaps by half a second before its last row", bench(leapt((TIME[-2], 0.5))), "noted", ("the last row stands 0.54 s behind",), LEAPT),
     Row("a clock that leaps in the ramp", bench(leapt((1.5, 60.0))), "noted", LEAP, LEAPT),
     Row("a clock that leaps before the ramp and in the hold", bench(leapt((0.5, 5.0), (9.0, 0.6))), "noted", LEAP, LEAPT),
-    Row("a machine that pauses while its reading rests", bench(TIME - 0.036 * (np.arange(len(TIME)) % 10)), "noted", LEAP, SOUND),
+    Row("a machine that pauses while its reading rests", bench(TIME - 0.036 * (np.arange(len(TIME)) % 10)), "noted", LEAP, FAULTLESS),
     Row("a clock that goes on in other units", bench(np.where(TIME > 10, TIME[250] + 1e3 * (TIME - TIME[250]), TIME)), "asked", ("go from 40 ms to 40 s at 10 s", "confirm s", "--units time=s"), Truth("relaxation", read_relaxation, _goes_on), answer={"units": {"time": "s"}}, by_size=True),
-    Row("a clock that goes on at a hundredth of its rate", bench(np.where(TIME > 10, TIME[250] + 100 * (TIME - TIME[250]), TIME)), truth=SOUND),
+    Row("a clock that goes on at a hundredth of its rate", bench(np.where(TIME > 10, TIME[250] + 100 * (TIME - TIME[250]), TIME)), truth=FAULTLESS),
     Row("a clock that leaps behind its first row", bench(leapt((0.0, 500.0))), "noted", ("the first row stands 500.04 s before",), LEAPT),
     Row("a clock that leaps twice", bench(leapt((6.0, 1e3), (14.0, 1e3))), "noted", ("at t = 6 s", "at t = 1014 s"), LEAPT),
     Row("a clock that leaps three times in a row", bench(leapt((9.98, 1e3), (10.02, 1e3), (10.06, 1e3))), "noted", LEAP, LEAPT),
@@ -114,9 +114,9 @@ CLOCKS = [
     Row("a clock that stands still", bench(np.minimum(TIME, 12.0)), "refused", ("time stamps repeat",)),
     Row("hours of the day that leap by one", encode_clock_table(leapt((10.0, 3600.0)), 6000.0), "noted", LEAP, LEAPT),
     Row("hours of the day that fall back by one", encode_clock_table(leapt((10.0, -3600.0)), 36000.0), "refused", FALL),
-    Row("hours of the day over midnight", encode_clock_table(TIME, 86390.0), "noted", ("the clock passes midnight",), SOUND),
+    Row("hours of the day over midnight", encode_clock_table(TIME, 86390.0), "noted", ("the clock passes midnight",), FAULTLESS),
     Row("dates that leap by a day at midnight", encode_clock_table(leapt((9.98, 86400.0)), 86390.0, date=True), "noted", LEAP, LEAPT),
-    Row("instants of which midnight is a date alone", _midnight(), truth=SOUND),
+    Row("instants of which midnight is a date alone", _midnight(), truth=FAULTLESS),
     Row("a second block on a later clock", blocks(1e4), "noted", ("2 segments joined", *LEAP), LEAPT),
     Row("a second block that begins again", blocks(-10.0), "refused", ("2 segments", "--file-part segment=1")),
     Row("the clock of a hammer that leaps", table("time [s];hammer [N];acceleration [m/s^2]", TICKS + 50.0 * (TICKS >= 1), HIT, RUNG, form="%.9g").encode(), "noted", ("the clock jumps at line 1026",), Truth("impact", read_impact, _two_records)),

@@ -47,10 +47,10 @@ from kit.crafted.row import (
 )
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 WARM = 20 + 0.01 * np.arange(len(TIME))
 COUNT = np.arange(len(TIME)) % 7.0
-FIVE = (TIME, WARM, MOVED, FORCE, COUNT)
+FIVE = (TIME, WARM, DISPLACEMENT, FORCE, COUNT)
 NAMES = "Time;Temp;Position;Load;Count"
 BOTH = np.concatenate([F, F])
 TWICE = np.concatenate([COLD * STORAGE, STORAGE]), np.concatenate([COLD * LOSS, LOSS])
@@ -59,7 +59,7 @@ DEGREES = np.concatenate([0 * F, 0 * F + 23])
 
 def bench(head: str, *columns: np.ndarray) -> bytes:
     """A bench's file of the columns, with its five decimals."""
-    return table(head, *(columns or (TIME, MOVED, FORCE)), form="%.5f").encode()
+    return table(head, *(columns or (TIME, DISPLACEMENT, FORCE)), form="%.5f").encode()
 
 
 def _units() -> list[Row]:
@@ -68,7 +68,7 @@ def _units() -> list[Row]:
     return [
         Row("a unit too many at the end", bench(f"{NAMES}\ns;degC;mm;N;1;bar", *FIVE), "noted", ("6 cells for 5 columns", "from the left")),
         Row("a unit too few at the end", bench(f"{NAMES}\ns;degC;mm;N", *FIVE), "noted", ("4 cells for 5 columns",)),
-        Row("two units too few at the end", bench("Time;Position;Load;Temp;Count\ns;mm;N", TIME, MOVED, FORCE, WARM, COUNT), "noted", ("3 cells for 5 columns",)),
+        Row("two units too few at the end", bench("Time;Position;Load;Temp;Count\ns;mm;N", TIME, DISPLACEMENT, FORCE, WARM, COUNT), "noted", ("3 cells for 5 columns",)),
         Row("bracketed units, one too many", bench(f"{NAMES}\n(s);(degC);(mm);(N);(1);(bar)", *FIVE), "noted", ("6 cells",)),
         Row(
             "a unit too few inside", bench(f"{NAMES}\ns;mm;N;1", *FIVE), "asked",
@@ -79,8 +79,8 @@ def _units() -> list[Row]:
             "a unit too many inside", bench(f"{NAMES}\ns;degC;bar;mm;N;1", *FIVE), "asked",
             ("has no unit",), answer={"units": {"time": "s", "displacement": "mm", "force": "N"}},
         ),
-        Row("a unit too many under decimal commas", table("Zeit;Weg;Kraft\ns;mm;N;°C", TIME, MOVED, FORCE, comma=True).encode(), "noted", ("4 cells for 3 columns",)),
-        Row("a unit too few between tabs", table("\t".join(names) + "\tTemp\ns\tmm\tN", TIME, MOVED, FORCE, WARM, sign="\t").encode(), "noted", ("3 cells for 4 columns",)),
+        Row("a unit too many under decimal commas", table("Zeit;Weg;Kraft\ns;mm;N;°C", TIME, DISPLACEMENT, FORCE, comma=True).encode(), "noted", ("4 cells for 3 columns",)),
+        Row("a unit too few between tabs", table("\t".join(names) + "\tTemp\ns\tmm\tN", TIME, DISPLACEMENT, FORCE, WARM, sign="\t").encode(), "noted", ("3 cells for 4 columns",)),
         Row("a unit too many of a sweep", table("f;E';E''\nHz;MPa;MPa;%", F, STORAGE / 1e6, LOSS / 1e6).encode(), "noted", ("4 cells for 3 columns",), SWEEP),
         Row("a unit too few of a sweep", table("f;E';E'';tan d\nHz;MPa;MPa", F, STORAGE / 1e6, LOSS / 1e6, TANGENT).encode(), "noted", ("3 cells for 4 columns",), SWEEP),
     ]  # fmt: skip
@@ -90,7 +90,7 @@ def _factors() -> list[Row]:
     """A factor in the header, which may multiply the numbers or have multiplied them."""
 
     def load(word: str, times: float) -> bytes:
-        return table(f"Time [s];Position [mm];{word}", TIME, MOVED, times * FORCE).encode()
+        return table(f"Time [s];Position [mm];{word}", TIME, DISPLACEMENT, times * FORCE).encode()
 
     milli = {"units": {"force": "mN"}}
     rows = [
@@ -132,13 +132,13 @@ def _twice() -> list[Row]:
             "two temperatures of equal names, isotherms", table("f [Hz];E' [MPa];E'' [MPa];Temp 1 [°C];Temp 2 [°C]", *both, DEGREES[::-1], DEGREES).encode(),
             "asked", ("could each be the temperature", "--column temperature="), ISOTHERMS, answer={"temperature": "Temp 2"},
         ),
-        Row("two temperatures of a bench", bench("Time [s];Position [mm];Load [N];Temp 1 [°C];Temp 2 [°C]", TIME, MOVED, FORCE, WARM, WARM + 2 * indices), "noted", ("no temperature is taken", "could each be")),
-        Row("temperature set and sample of a bench", bench("Time [s];Position [mm];Load [N];Set temp [°C];Temp [°C]", TIME, MOVED, FORCE, 0 * WARM + 25, WARM), "noted", ("'Set temp [°C]' could be too",)),
+        Row("two temperatures of a bench", bench("Time [s];Position [mm];Load [N];Temp 1 [°C];Temp 2 [°C]", TIME, DISPLACEMENT, FORCE, WARM, WARM + 2 * indices), "noted", ("no temperature is taken", "could each be")),
+        Row("temperature set and sample of a bench", bench("Time [s];Position [mm];Load [N];Set temp [°C];Temp [°C]", TIME, DISPLACEMENT, FORCE, 0 * WARM + 25, WARM), "noted", ("'Set temp [°C]' could be too",)),
         Row(
             "two temperatures of a modulus", table("time [s];E(t) [MPa];Temp A [°C];Temp B [°C]", DECAY, 2 + DECAY**-0.1, 0 * DECAY + 20, DECAY / 100).encode(),
             "asked", ("could each be the temperature",), MODULUS, answer={"temperature": "Temp A"},
         ),
-        Row("two clocks of a bench", bench("Time A [s];Time B [s];Position [mm];Load [N]", TIME, shifted, MOVED, FORCE), "asked", ("could each be the time",), answer={"time": "Time A"}),
+        Row("two clocks of a bench", bench("Time A [s];Time B [s];Position [mm];Load [N]", TIME, shifted, DISPLACEMENT, FORCE), "asked", ("could each be the time",), answer={"time": "Time A"}),
         Row("two clocks of a hammer", table("Time A [s];Time B [s];hammer [N];acceleration [m/s^2]", TICKS, 1.1 * TICKS, HIT, RUNG).encode(), "asked", ("could each be the time",), HITS, answer={"time": "1"}),
         Row("two clocks of a deflection", table("Time A [s];Time B [s];Position [mm];Load [N]", np.arange(119.0), 2 * np.arange(119.0), PRESSED, 0.2 * PRESSED).encode(), "asked", ("could each be the time",), DEFLECTION, answer={"time": "2"}),
         Row("a compliance called J", table("t [s];J [1/MPa]", CLOCK[1:], CREPT[1:]).encode(), truth=COMPLIANCE),
@@ -238,11 +238,11 @@ def _sizes() -> list[Row]:
         Row("a strain in per cent", encode_tension_table("%", 100.0), truth=TENSION),
         Row("a stress in pascals under gigapascals", encode_tension_table("1", 1.0, "GPa", 1e6), "asked", ("--units stress=MPa",), TENSION, answer={"units": {"stress": "Pa"}}),
         Row("millimetres under metres", bench("Time [s];Position [m];Load [N]"), "asked", ("--units displacement=mm",), RAMP, answer={"units": {"displacement": "mm"}}, by_size=True),
-        Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, MOVED, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
+        Row("kilonewtons under newtons", table("Time [s];Position [mm];Load [N]", TIME, DISPLACEMENT, FORCE / 1e3).encode(), "asked", ("--units force=kN",), RAMP, answer={"units": {"force": "kN"}}, by_size=True, coarse=1e-6),
         Row("seconds under milliseconds", bench("Time [ms];Position [mm];Load [N]"), "asked", ("--units time=s",), RAMP, answer={"units": {"time": "s"}}, by_size=True),
-        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, MOVED, pressed * FORCE / 1e3).encode(), "noted", ("The force goes over 40 kN",), _make_truth(force=pressed * FORCE)),
-        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, MOVED, FORCE).encode(), "noted", ("sampled at 0.0286 Hz",), _make_truth(time=slow)),
-        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * MOVED, FORCE).encode(), "noted", ("The displacement goes over 401 mm",), _make_truth(displacement=0.401 / 8 * MOVED)),
+        Row("a press of 40 kN", table("Time [s];Position [mm];Load [kN]", TIME, DISPLACEMENT, pressed * FORCE / 1e3).encode(), "noted", ("The force spans 40 kN",), _make_truth(force=pressed * FORCE)),
+        Row("a ramp of 315 s", table("Time [s];Position [mm];Load [N]", slow, DISPLACEMENT, FORCE).encode(), "noted", ("sampled at 0.0286 Hz",), _make_truth(time=slow)),
+        Row("a stroke of 401 mm", table("Time [s];Position [mm];Load [N]", 20 * TIME, 401 / 8 * DISPLACEMENT, FORCE).encode(), "noted", ("The displacement spans 401 mm",), _make_truth(displacement=0.401 / 8 * DISPLACEMENT)),
     ]  # fmt: skip
 
 
@@ -261,7 +261,9 @@ def _wide() -> list[Row]:
     more = range(3, 1200)
     head = "Time [s];Position [mm];Load [N];" + ";".join(f"gauge {i} [V]" for i in more)
     rest = ";".join(f"{i % 97}.500000000000000000000000000" for i in more)
-    rows = (f"{t:.5f};{x:.5f};{f:.5f};{rest}" for t, x, f in zip(TIME, MOVED, FORCE, strict=True))
+    rows = (
+        f"{t:.5f};{x:.5f};{f:.5f};{rest}" for t, x, f in zip(TIME, DISPLACEMENT, FORCE, strict=True)
+    )
     return [Row("lines of forty thousand characters", "\n".join([head, *rows, ""]).encode())]
 
 

@@ -40,7 +40,7 @@ from kit.crafted.row import (
 )
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 _SIZE, _ANGLE = np.abs(OVER_FORCE), np.degrees(np.angle(OVER_FORCE))
 _ROWS = list(zip(*truth(), strict=True))
 _G, _LBF, _PSI = 9.80665, 4.4482216152605, 6894.757293168
@@ -50,7 +50,7 @@ def bench(
     head: str, sign: str = ";", *, comma: bool = False, code: str = "utf-8", load: float = 1.0
 ) -> bytes:
     """The ramp and hold under a head."""
-    columns = (TIME, MOVED, load * FORCE)
+    columns = (TIME, DISPLACEMENT, load * FORCE)
     return table(head, *columns, sign=sign, form="%.12g", comma=comma).encode(code)
 
 
@@ -84,7 +84,7 @@ def _benches() -> list[Row]:
     ]
     logger = table(
         "Number,Date&Time,ms,CH1,CH2\nNO.,Time,ms,mm,N", np.arange(60.0),
-        [f"2024/01/05 10:00:{int(t):02d}" for t in TIME], np.round(TIME % 1 * 1e3), MOVED, FORCE, sign=",",
+        [f"2024/01/05 10:00:{int(t):02d}" for t in TIME], np.round(TIME % 1 * 1e3), DISPLACEMENT, FORCE, sign=",",
     )  # fmt: skip
     page = "".join(
         f"{t};{x};{f}\n" + f"Page {i // 20 + 1} of 3\n\n" * (i % 20 == 19)
@@ -111,8 +111,8 @@ def _benches() -> list[Row]:
         Row("names on two lines", bench("Total\tAxial\tAxial\nTime\tDisplacement\tForce\ns\tmm\tN", "\t")),
         Row("an index without a name", encode_rows(",time_s,position_mm,load_N", "7,{0},{1},{2}")),
         Row("milliseconds since 1970", "".join(["timestamp_ms,position_mm,load_N\n", *(f"{1704448800000 + round(1e3 * t)},{x},{f}\n" for t, x, f in _ROWS)]).encode()),
-        Row("halves of a day", table("Date Time;Stroke mm;Load N", half, MOVED, FORCE).encode()),
-        Row("a date and a clock apart", table("Datum;Uhrzeit;Weg [mm];Kraft [N]", ["05.01.2024"] * 60, [f"10:00:{t:06.3f}" for t in TIME], MOVED, FORCE, comma=True).encode()),
+        Row("halves of a day", table("Date Time;Stroke mm;Load N", half, DISPLACEMENT, FORCE).encode()),
+        Row("a date and a clock apart", table("Datum;Uhrzeit;Weg [mm];Kraft [N]", ["05.01.2024"] * 60, [f"10:00:{t:06.3f}" for t in TIME], DISPLACEMENT, FORCE, comma=True).encode()),
         Row("two byte-order marks", b"\xef\xbb\xbf\xef\xbb\xbf" + bench(wet)),
         Row("blanks round the delimiter", bench("Time [s] ; Position [mm] ; Load [N]", " ; ", comma=True)),
         Row("pages with their number", (wet + "\n" + page).encode(), "noted", ("'Page 1 of 3'",)),

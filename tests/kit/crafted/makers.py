@@ -37,7 +37,7 @@ from kit.crafted.row import (
 )
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 NUMBERS = [str(i + 1) for i in range(len(F))]
 SIZE = np.hypot(STORAGE, LOSS)
 WARM = np.array([23.0 + 0.01 * (i % 3) for i in range(len(F))])
@@ -238,15 +238,15 @@ def _testxpert() -> list[Row]:
         '"Prüfnorm"\t"ISO 3384"\n"Prüfer"\t"Kim"\n"Vorkraft"\t0,5\t"N"\n"Geschwindigkeit"\t8\t"mm/s"\n'
         '"Prüfzeit"\t"Standardweg"\t"Standardkraft"\n"s"\t"mm"\t"N"'
     )
-    plain = table(head, TIME, MOVED, FORCE, sign="\t", comma=True, end="\r\n")
+    plain = table(head, TIME, DISPLACEMENT, FORCE, sign="\t", comma=True, end="\r\n")
     two = table(
         '"Prüfzeit";"Traversenweg absolut";"Standardweg";"Standardkraft"\n"s";"mm";"mm";"N"',
-        TIME, MOVED + 80, MOVED, FORCE, comma=True,
+        TIME, DISPLACEMENT + 80, DISPLACEMENT, FORCE, comma=True,
     )  # fmt: skip
     polish = table(
         "Próbka;1\nCzas próby;Droga trawersy;Siła standardowa\ns;mm;N",
         TIME,
-        MOVED,
+        DISPLACEMENT,
         FORCE,
         comma=True,
     )
@@ -270,10 +270,10 @@ def _bluehill() -> list[Row]:
         '"1","1.90","8.00"\n"Mean","1.90","8.00"\n\n"Raw Data 1"\n"Time","Extension","Load"\n'
         '"(s)","(mm)","(N)"'
     )
-    plain = table(results, TIME, MOVED, FORCE, sign=",", quote=True, end="\r\n")
+    plain = table(results, TIME, DISPLACEMENT, FORCE, sign=",", quote=True, end="\r\n")
     top = 'Próbka : Szybkość;"480,00000";mm/min\nPróbka : Wysokość;"20,00000";mm\n\n'
     polish = table(
-        top + "Godzina;Przesunięcie;Obciążenie\n(s);(mm);(N)", TIME, MOVED, FORCE,
+        top + "Godzina;Przesunięcie;Obciążenie\n(s);(mm);(N)", TIME, DISPLACEMENT, FORCE,
         comma=True, quote=True, end="\r\n",
     )  # fmt: skip
     german = table(
@@ -282,7 +282,7 @@ def _bluehill() -> list[Row]:
     )  # fmt: skip
     universal = table(
         '"Time (s)","Displacement (mm)","Force (kN)","Compressive strain (Displacement) (%)"',
-        TIME, MOVED, FORCE / 1e3, 5 * MOVED, sign=",", form="%.10g", quote=True,
+        TIME, DISPLACEMENT, FORCE / 1e3, 5 * DISPLACEMENT, sign=",", form="%.10g", quote=True,
     )  # fmt: skip
     return [
         Row("Bluehill: results before the raw data", plain.encode()),
@@ -299,13 +299,13 @@ def _testsuite() -> list[Row]:
     def block(start: int, stop: int) -> str:
         part = slice(start, stop)
         return table(
-            head.format(TIME[start]) + names, TIME[part], FORCE[part], MOVED[part], sign="\t"
+            head.format(TIME[start]) + names, TIME[part], FORCE[part], DISPLACEMENT[part], sign="\t"
         )
 
     blocks = "MTS793|MPT|ENU|1|2|.|/|:|1|0|0|A\n\n" + block(0, 20) + "\n\n" + block(20, 60)
     elite = table(
         '"Running Time (s)","Axial Displacement (mm)","Axial Force (kN)","Axial Count (cycles)"',
-        TIME, MOVED, FORCE / 1e3, 0 * TIME, sign=",", form="%.10g",
+        TIME, DISPLACEMENT, FORCE / 1e3, 0 * TIME, sign=",", form="%.10g",
     )  # fmt: skip
     return [
         Row("TestSuite: blocks of one clock", blocks.encode(), "noted", ("2 segments joined",)),
@@ -318,17 +318,17 @@ def _trapezium() -> list[Row]:
         '"1 _ 1",,\n"時間","試験力","ストローク"\n"sec","N","mm"',
         TIME,
         FORCE,
-        MOVED,
+        DISPLACEMENT,
         sign=",",
         quote=True,
     )
     korean = table(
-        '"1 _ 1",,\n"시간","하중","스트로크"\n"sec","N","mm"', TIME, FORCE, MOVED, sign=","
+        '"1 _ 1",,\n"시간","하중","스트로크"\n"sec","N","mm"', TIME, FORCE, DISPLACEMENT, sign=","
     )
     twice = table(
         '"1 _ 1",,,"1 _ 2",,\n"Czas","Siła","Przemieszczenie","Czas","Siła","Przemieszczenie"\n'
         '"sec","N","mm","sec","N","mm"',
-        TIME, FORCE, MOVED, TIME + 0.01, 1.02 * FORCE, MOVED, sign=",", comma=True, quote=True,
+        TIME, FORCE, DISPLACEMENT, TIME + 0.01, 1.02 * FORCE, DISPLACEMENT, sign=",", comma=True, quote=True,
     )  # fmt: skip
     return [
         Row("Trapezium: Japanese", japanese.encode("cp932")),

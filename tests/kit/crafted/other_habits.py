@@ -37,7 +37,7 @@ from kit.crafted.row import (
 )
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 COMPLEX = np.hypot(STORAGE, LOSS)
 
 
@@ -147,7 +147,7 @@ def _testxpert_kilonewtons() -> bytes:
     """Zwick testXpert III: force in kN and travel in um, times with a thousandth in its unit row."""
     head = '"Prüfzeit";"Standardweg";"Standardkraft";"Kraftabschaltschwelle"\n"ms";"µm";"kN";"%"'
     return table(
-        head, 1e3 * TIME, 1e3 * MOVED, FORCE / 1e3, 80 + 0 * TIME, comma=True, form="%.9g"
+        head, 1e3 * TIME, 1e3 * DISPLACEMENT, FORCE / 1e3, 80 + 0 * TIME, comma=True, form="%.9g"
     ).encode("cp1252")
 
 
@@ -170,7 +170,7 @@ def _mts_mpt() -> bytes:
         "Axial Count\tTime\tAxial Displacement\tAxial Force\nsegments\tSec\tmm\tkN"
     )
     return table(
-        head, np.arange(float(len(TIME))), TIME, MOVED, FORCE / 1e3, sign="\t", form="%.9g"
+        head, np.arange(float(len(TIME))), TIME, DISPLACEMENT, FORCE / 1e3, sign="\t", form="%.9g"
     ).encode()
 
 
@@ -178,7 +178,13 @@ def _trapezium_lite() -> bytes:
     """Shimadzu Trapezium Lite X: a name over every pair, units quoted with blanks, minutes."""
     head = '"Method","seal hold.xmas"\n"Name","1 _ 1","1 _ 1","1 _ 1"\n"","Time","Force","Stroke"\n"","min","mN"," mm "'
     return table(
-        head, np.array([""] * len(TIME)), TIME / 60, 1e3 * FORCE, MOVED, sign=",", form="%.9g"
+        head,
+        np.array([""] * len(TIME)),
+        TIME / 60,
+        1e3 * FORCE,
+        DISPLACEMENT,
+        sign=",",
+        form="%.9g",
     ).encode()
 
 
@@ -199,7 +205,7 @@ def _merged_heads() -> bytes:
     sheet.merge_cells("B3:C3")
     sheet.append(["Time", "Displacement", "Force"])
     sheet.append(["s", "mm", "N"])
-    for row in zip(TIME.tolist(), MOVED.tolist(), FORCE.tolist(), strict=True):
+    for row in zip(TIME.tolist(), DISPLACEMENT.tolist(), FORCE.tolist(), strict=True):
         sheet.append(list(row))
     return _encode_workbook(made)
 
@@ -213,7 +219,9 @@ def _merged_down() -> bytes:
     sheet.append(["Zeit [s]", "Weg", "Kraft"])
     sheet.append([None, "[cm]", "[mN]"])
     sheet.merge_cells("A1:A2")
-    for row in zip(TIME.tolist(), (MOVED / 10).tolist(), (1e3 * FORCE).tolist(), strict=True):
+    for row in zip(
+        TIME.tolist(), (DISPLACEMENT / 10).tolist(), (1e3 * FORCE).tolist(), strict=True
+    ):
         sheet.append(list(row))
     sheet.append(["Mittelwert", None, float(FORCE.mean())])
     return _encode_workbook(made)
@@ -227,7 +235,7 @@ def _hdf5(names: tuple[str, str, str], word: str, units: tuple[str, str, str]) -
             run = file.create_group("Run 1")
             run.attrs["operator"] = "A"
             for name, unit, values in zip(
-                names, units, (TIME, MOVED / 1e3, FORCE / 1e3), strict=True
+                names, units, (TIME, DISPLACEMENT / 1e3, FORCE / 1e3), strict=True
             ):
                 run.create_dataset(name, data=values).attrs[word] = unit
         return path.read_bytes()
@@ -240,10 +248,12 @@ def _hdf5_table(*, fields: bool) -> bytes:
         with h5py.File(path, "w") as file:
             if fields:
                 rows = np.zeros(len(TIME), [("time", "f8"), ("position", "f8"), ("load", "f8")])
-                rows["time"], rows["position"], rows["load"] = TIME, MOVED / 10, FORCE / 1e3
+                rows["time"], rows["position"], rows["load"] = TIME, DISPLACEMENT / 10, FORCE / 1e3
                 file.create_dataset("run", data=rows).attrs["units"] = ["s", "cm", "kN"]
             else:
-                made = file.create_dataset("data", data=np.column_stack((TIME, MOVED, FORCE / 1e3)))
+                made = file.create_dataset(
+                    "data", data=np.column_stack((TIME, DISPLACEMENT, FORCE / 1e3))
+                )
                 made.attrs["names"] = ["Time", "Displacement", "Force"]
                 made.attrs["units"] = ["s", "mm", "kN"]
         return path.read_bytes()
@@ -254,7 +264,7 @@ def _tdms(along: dict[str, object]) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made.tdms"
         with TdmsWriter(str(path)) as file:
-            item = (("Weg", 1e3 * MOVED, "µm"), ("Kraft", FORCE / 1e3, "kN"))
+            item = (("Weg", 1e3 * DISPLACEMENT, "µm"), ("Kraft", FORCE / 1e3, "kN"))
             file.write_segment(
                 [
                     ChannelObject("Run", name, values, {"unit_string": unit, **along})

@@ -14,7 +14,7 @@ from kit.crafted.row import COLD, ISOTHERMS, LOSS, STORAGE, WARMTH, F, Row
 from kit.instruments import ods, ods_rows
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 HEAD = ["Time (s)", "Position (mm)", "Load (N)"]
 
 
@@ -45,12 +45,14 @@ def instants() -> list[list[object]]:
     start = dt.datetime(2024, 4, 5, 23, 59, 57)
     return [
         [start + dt.timedelta(milliseconds=round(1e3 * t)), x, f]
-        for t, x, f in zip(TIME.tolist(), MOVED.tolist(), FORCE.tolist(), strict=True)
+        for t, x, f in zip(TIME.tolist(), DISPLACEMENT.tolist(), FORCE.tolist(), strict=True)
     ]
 
 
 def list_rows() -> list[list[object]]:
-    return [list(row) for row in zip(TIME.tolist(), MOVED.tolist(), FORCE.tolist(), strict=True)]
+    return [
+        list(row) for row in zip(TIME.tolist(), DISPLACEMENT.tolist(), FORCE.tolist(), strict=True)
+    ]
 
 
 def list_merged_rows() -> list[list[object]]:

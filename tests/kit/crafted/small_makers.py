@@ -26,7 +26,7 @@ from kit.crafted.row import (
 )
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 NUMBERS = np.arange(1.0, 1 + len(TIME))
 OUNCE = 0.27801385095378125
 
@@ -34,42 +34,42 @@ OUNCE = 0.27801385095378125
 def _testers() -> list[Row]:
     mecmesin = table(
         "VectorPro,2.5.0\nTest name,Seal compression\nOperator,Lab 2\nUnits,N,mm,s\n\nTime (s),Load (N),Displacement (mm)",
-        TIME, FORCE, MOVED, sign=",",
+        TIME, FORCE, DISPLACEMENT, sign=",",
     )  # fmt: skip
     emperor = table(
         "Emperor (TM) Force\nSample No. 1\n\nLoad\tDisplacement\tTime\n(N)\t(mm)\t(Sec)",
-        FORCE, MOVED, TIME, sign="\t",
+        FORCE, DISPLACEMENT, TIME, sign="\t",
     )  # fmt: skip
     testometric = table(
         '"winTest Analysis"\n"Test No","1"\n"Force @ Peak","1.900","N"\n"Time (Secs)","Force (N)","Def. (mm)"',
-        TIME, FORCE, MOVED, sign=",", quote=True,
+        TIME, FORCE, DISPLACEMENT, sign=",", quote=True,
     )  # fmt: skip
     lloyd = table(
         "NEXYGENPlus Data\nBatch Ref.:\tS12\nSample 1\nTime\tLoad\tMachine Extension\ns\tN\tmm\n",
-        TIME, FORCE, MOVED, sign="\t",
+        TIME, FORCE, DISPLACEMENT, sign="\t",
     )  # fmt: skip
     hegewald = table(
         "Prüfung;Druckversuch Dichtung\nDatum;12.03.2024\nProbe;3\n\nPrüfzeit;Prüfkraft;Traversenweg\n[s];[N];[mm]",
-        TIME, FORCE, MOVED, sign=";", comma=True, end="\r\n",
+        TIME, FORCE, DISPLACEMENT, sign=";", comma=True, end="\r\n",
     )  # fmt: skip
     galdabini = table(
         "Labtest 5;Prova n. 4\nCliente;\nTempo (s);Carico (N);Spostamento (mm)",
-        TIME, FORCE, MOVED, sign=";", comma=True,
+        TIME, FORCE, DISPLACEMENT, sign=";", comma=True,
     )  # fmt: skip
     inspekt = table(
         "Zeit in s;Standardweg in mm;Standardkraft in N;Zyklus",
-        TIME, MOVED, FORCE, 1 + 0 * TIME, sign=";", comma=True,
+        TIME, DISPLACEMENT, FORCE, 1 + 0 * TIME, sign=";", comma=True,
     )  # fmt: skip
     mark10 = table(
-        "IntelliMESUR\nReading,Load [ozF],Travel [mm],Time [s]", NUMBERS, FORCE / OUNCE, MOVED, TIME,
+        "IntelliMESUR\nReading,Load [ozF],Travel [mm],Time [s]", NUMBERS, FORCE / OUNCE, DISPLACEMENT, TIME,
         sign=",", form="%.10g",
     )  # fmt: skip
     imada = table(
-        "Force Recorder\nNo.,Time(s),Force(N),Disp(mm)", NUMBERS, TIME, FORCE, MOVED, sign=",",
+        "Force Recorder\nNo.,Time(s),Force(N),Disp(mm)", NUMBERS, TIME, FORCE, DISPLACEMENT, sign=",",
     )  # fmt: skip
     texture = table(
         "Exponent Connect\nForce\tDistance\tTime\ng\tmm\tsec",
-        FORCE / 9.80665e-3, MOVED, TIME, sign="\t", form="%.10g",
+        FORCE / 9.80665e-3, DISPLACEMENT, TIME, sign="\t", form="%.10g",
     )  # fmt: skip
     return [
         Row("VectorPro", mecmesin.encode()),
@@ -89,28 +89,32 @@ def _testers() -> list[Row]:
 
 def _loggers() -> list[Row]:
     labview = table(
-        "Time (s)\tPlot 0 [mm]\tPlot 1 [N]", TIME, MOVED, FORCE, sign="\t", comma=True, end="\r\n",
+        "Time (s)\tPlot 0 [mm]\tPlot 1 [N]", TIME, DISPLACEMENT, FORCE, sign="\t", comma=True, end="\r\n",
     )  # fmt: skip
     express = table(
         "waveform\t[0]\t[1]\nt0\t12.03.2024 10:00:00\t12.03.2024 10:00:00\ndelta t\t0,100000\t0,100000\n\ntime[s]\tWeg[mm]\tKraft[N]",
-        TIME, MOVED, FORCE, sign="\t", comma=True,
+        TIME, DISPLACEMENT, FORCE, sign="\t", comma=True,
     )  # fmt: skip
     dewesoft = table(
         "Export time: 12.03.2024 10:00:00\nSample rate: 10 Hz\n\nTime (s);Weg (mm);Kraft (N)",
-        TIME, MOVED, FORCE, sign=";", comma=True,
+        TIME, DISPLACEMENT, FORCE, sign=";", comma=True,
     )  # fmt: skip
     statistics = table(
-        "Time[s]\tForce/AVE[N]\tWay/AVE[mm]", TIME, FORCE, MOVED, sign="\t",
+        "Time[s]\tForce/AVE[N]\tWay/AVE[mm]", TIME, FORCE, DISPLACEMENT, sign="\t",
     )  # fmt: skip
     catman = table(
         "HBM_CATMAN_DATAFILE_40\n\nZeit  1 - Standardmessrate [s]\tKraft [N]\tWeg [mm]",
-        TIME, FORCE, MOVED, sign="\t", comma=True,
+        TIME, FORCE, DISPLACEMENT, sign="\t", comma=True,
     )  # fmt: skip
-    packed = table("t/ms  s/µm  F/mN", TIME * 1e3, MOVED * 1e3, FORCE * 1e3, sign="  ", form="%.9g")
-    slashed = table("t/s;s/mm;F/N", TIME, MOVED, FORCE, sign=";")
-    commented = table("# time: s\n# displacement: mm\n# force: N", TIME, MOVED, FORCE, sign=" ")
+    packed = table(
+        "t/ms  s/µm  F/mN", TIME * 1e3, DISPLACEMENT * 1e3, FORCE * 1e3, sign="  ", form="%.9g"
+    )
+    slashed = table("t/s;s/mm;F/N", TIME, DISPLACEMENT, FORCE, sign=";")
+    commented = table(
+        "# time: s\n# displacement: mm\n# force: N", TIME, DISPLACEMENT, FORCE, sign=" "
+    )
     numbered = table(
-        "# column 1: time [s]\n# column 2: displacement [mm]\n# column 3: force [N]", TIME, MOVED, FORCE, sign=" ",
+        "# column 1: time [s]\n# column 2: displacement [mm]\n# column 3: force [N]", TIME, DISPLACEMENT, FORCE, sign=" ",
     )  # fmt: skip
     simcenter = table(
         'Function type: FRF\nX axis: Frequency, Hz\n"Frequency (Hz)"\t"Real (m/s^2/N)"\t"Imag (m/s^2/N)"',

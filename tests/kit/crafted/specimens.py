@@ -18,7 +18,7 @@ from scipy.io import savemat
 from kit.crafted.row import LOSS, STORAGE, SWEEP, F, Row, table
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 TWICE = (1.3, 1.0)
 """By how much the force of the first specimen and that of the second exceed the truth."""
 HEAD = "Time [s];Displacement [mm];Force [N]"
@@ -31,7 +31,7 @@ def _format_labelled_table(
     """Rows of two specimens under one head, a column of labels first or last."""
     rows = []
     for label, factor, start in zip((first, second), TWICE, (0.0, on), strict=True):
-        for a, b, c in zip(TIME + start, MOVED, factor * FORCE, strict=True):
+        for a, b, c in zip(TIME + start, DISPLACEMENT, factor * FORCE, strict=True):
             cells = [f"{a:.8g}", f"{b:.8g}", f"{c:.9g}"]
             rows.append(";".join([*cells, label] if last else [label, *cells]))
     return "\n".join([head, *rows]) + "\n"
@@ -53,21 +53,23 @@ def _sparse() -> str:
 def _format_interleaved_table() -> str:
     """The readings of two specimens in turn, as a logger of several stations writes them."""
     rows = ["Time [s];Sample No.;Displacement [mm];Force [N]"]
-    for a, b, c in zip(TIME, MOVED, FORCE, strict=True):
+    for a, b, c in zip(TIME, DISPLACEMENT, FORCE, strict=True):
         rows += [f"{a:.8g};{n};{b:.8g};{factor * c:.9g}" for n, factor in enumerate(TWICE, 1)]
     return "\n".join(rows) + "\n"
 
 
 def _blocks(between: str, first: str = "") -> str:
     """Two tables below each other."""
-    text = [first + table(HEAD, TIME, MOVED, factor * FORCE, form="%.9g") for factor in TWICE]
+    text = [
+        first + table(HEAD, TIME, DISPLACEMENT, factor * FORCE, form="%.9g") for factor in TWICE
+    ]
     return between.join(text)
 
 
 def _write_adjacent(head: str, *, clocks: bool) -> str:
     columns = [TIME]
     for i, factor in enumerate(TWICE):
-        columns += [TIME] * (clocks and i > 0) + [MOVED, factor * FORCE]
+        columns += [TIME] * (clocks and i > 0) + [DISPLACEMENT, factor * FORCE]
     return table(head, *columns, form="%.9g")
 
 
@@ -78,7 +80,7 @@ def _sheets() -> bytes:
     for name, factor in zip(("Seal A", "Seal B"), TWICE, strict=True):
         sheet = book.create_sheet(name)
         sheet.append(["Time [s]", "Displacement [mm]", "Force [N]"])
-        for row in zip(TIME, MOVED, factor * FORCE, strict=True):
+        for row in zip(TIME, DISPLACEMENT, factor * FORCE, strict=True):
             sheet.append([float(value) for value in row])
     out = io.BytesIO()
     book.save(out)
@@ -89,7 +91,7 @@ def _labelled_sheet() -> bytes:
     book = openpyxl.Workbook()
     book.active.append(["Specimen", "Time [s]", "Displacement [mm]", "Force [N]"])
     for label, factor in zip(("EPDM 1", "EPDM 2"), TWICE, strict=True):
-        for row in zip(TIME, MOVED, factor * FORCE, strict=True):
+        for row in zip(TIME, DISPLACEMENT, factor * FORCE, strict=True):
             book.active.append([label, *map(float, row)])
     out = io.BytesIO()
     book.save(out)
@@ -103,7 +105,7 @@ def _groups() -> bytes:
         for name, factor in zip(("Seal 1", "Seal 2"), TWICE, strict=True):
             writer.write_segment([
                 ChannelObject(name, key, values, {"unit_string": unit})
-                for key, values, unit in (("Time", TIME, "s"), ("Displacement", MOVED, "mm"), ("Force", factor * FORCE, "N"))
+                for key, values, unit in (("Time", TIME, "s"), ("Displacement", DISPLACEMENT, "mm"), ("Force", factor * FORCE, "N"))
             ])  # fmt: skip
     return out.getvalue()
 
@@ -114,7 +116,7 @@ def _hdf5() -> bytes:
         for name, factor in zip(("seal_1", "seal_2"), TWICE, strict=True):
             for key, values, unit in (
                 ("time", TIME, "s"),
-                ("displacement", MOVED, "mm"),
+                ("displacement", DISPLACEMENT, "mm"),
                 ("force", factor * FORCE, "N"),
             ):
                 file.create_dataset(f"{name}/{key}", data=values).attrs["units"] = unit
@@ -124,7 +126,7 @@ def _hdf5() -> bytes:
 def _structs() -> bytes:
     out = io.BytesIO()
     savemat(out, {
-        name: {"time_s": TIME, "displacement_mm": MOVED, "force_N": factor * FORCE}
+        name: {"time_s": TIME, "displacement_mm": DISPLACEMENT, "force_N": factor * FORCE}
         for name, factor in zip(("seal_1", "seal_2"), TWICE, strict=True)
     })  # fmt: skip
     return out.getvalue()
@@ -134,7 +136,7 @@ def _parquet() -> bytes:
     frame = pl.DataFrame({
         "specimen": ["A"] * len(TIME) + ["B"] * len(TIME),
         "time [s]": np.tile(TIME, 2),
-        "displacement [mm]": np.tile(MOVED, 2),
+        "displacement [mm]": np.tile(DISPLACEMENT, 2),
         "force [N]": np.concatenate([factor * FORCE for factor in TWICE]),
     })  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
@@ -178,5 +180,5 @@ SPECIMENS = [
     Row("specimens: sweeps of two mixes", _sweeps().encode(), "asked", _BY_COLUMN, SWEEP, answer=SECOND),
 ]  # fmt: skip
 SPECIMENS += [
-    Row("two load cells of which one is a copy of the other in its first half", table(f"{HEAD};Force B [N]", TIME, MOVED, FORCE, np.where(np.arange(len(TIME)) < 30, FORCE, 1.4 * FORCE), form="%.9g").encode(), "asked", ("'Force B [N]' could each be the force",), answer={"force": "Force"}),
+    Row("two load cells of which one is a copy of the other in its first half", table(f"{HEAD};Force B [N]", TIME, DISPLACEMENT, FORCE, np.where(np.arange(len(TIME)) < 30, FORCE, 1.4 * FORCE), form="%.9g").encode(), "asked", ("'Force B [N]' could each be the force",), answer={"force": "Force"}),
 ]  # fmt: skip

@@ -7,11 +7,11 @@ import numpy as np
 from kit.crafted.row import Row
 from kit.look_alikes import truth
 
-TIME, MOVED, FORCE = truth()
+TIME, DISPLACEMENT, FORCE = truth()
 STEP = float(TIME[1] - TIME[0])
 FINE_TIME = np.linspace(TIME[0], TIME[-1], 2 * len(TIME) - 1)
 FINE_FORCE = np.interp(FINE_TIME, TIME, FORCE)
-_SAID = ("sampled at different steps", "common instants of 'Displacement'")
+_NOTES = ("sampled at different steps", "common instants of 'Displacement'")
 
 
 def _lvm(columns: str, *, samples: bool = True) -> bytes:
@@ -39,7 +39,7 @@ def _lvm(columns: str, *, samples: bool = True) -> bytes:
         "***End_of_Header***", names[columns],
     ]  # fmt: skip
     for i, (t, f) in enumerate(zip(FINE_TIME, FINE_FORCE, strict=True)):
-        displacement = f"{MOVED[i]:.9g}" if i < count else ""
+        displacement = f"{DISPLACEMENT[i]:.9g}" if i < count else ""
         clock = f"{TIME[i]:.9g}" if i < count else ""
         lines.append({
             "No": f"\t{f:.12g}\t{displacement}",
@@ -51,7 +51,7 @@ def _lvm(columns: str, *, samples: bool = True) -> bytes:
 
 def _uff(*, even: bool = True) -> bytes:
     """Two time records of set 58, each with its own abscissa, by the layout of the standard."""
-    pairs = (("Force", FINE_TIME, FINE_FORCE, "N"), ("Displacement", TIME, MOVED, "mm"))
+    pairs = (("Force", FINE_TIME, FINE_FORCE, "N"), ("Displacement", TIME, DISPLACEMENT, "mm"))
     return "".join(_set_58(*pair, even=even) for pair in pairs).encode()
 
 
@@ -76,9 +76,9 @@ def _set_58(name: str, time: np.ndarray, values: np.ndarray, unit: str, *, even:
 
 
 TWO_RATES = [
-    Row("two rates: LVM without a column of time", _lvm("No"), "noted", _SAID, coarse=1e-6),
-    Row("two rates: LVM with a column of time each", _lvm("Multi"), "noted", _SAID, coarse=1e-6),
-    Row("two rates: LVM with one column of time", _lvm("One"), "noted", _SAID, coarse=1e-6),
-    Row("two rates: UFF 58", _uff(), "noted", _SAID, coarse=1e-6),
-    Row("two rates: UFF 58, each instant written", _uff(even=False), "noted", _SAID, coarse=1e-6),
+    Row("two rates: LVM without a column of time", _lvm("No"), "noted", _NOTES, coarse=1e-6),
+    Row("two rates: LVM with a column of time each", _lvm("Multi"), "noted", _NOTES, coarse=1e-6),
+    Row("two rates: LVM with one column of time", _lvm("One"), "noted", _NOTES, coarse=1e-6),
+    Row("two rates: UFF 58", _uff(), "noted", _NOTES, coarse=1e-6),
+    Row("two rates: UFF 58, each instant written", _uff(even=False), "noted", _NOTES, coarse=1e-6),
 ]  # fmt: skip

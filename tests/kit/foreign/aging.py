@@ -25,7 +25,7 @@ class Rubber:
         warmer = 1 / (celsius + 273.15) - 1 / 398.15
         return self.hours * np.exp(self.energy / R * warmer)
 
-    def left(self, hours, celsius):
+    def force_ratio(self, hours, celsius):
         """F/F0."""
         aged = ((hours - 0.5) / self.time(celsius)) ** self.exponent
         return (1 - self.loss * np.log10(hours / 0.5)) * np.exp(-aged)
@@ -35,7 +35,7 @@ class Rubber:
         low, high = np.log(0.5), np.log(1e12)
         for _ in range(100):
             middle = (low + high) / 2
-            above = self.left(np.exp(middle), celsius) > part
+            above = self.force_ratio(np.exp(middle), celsius) > part
             low, high = (middle, high) if above else (low, middle)
         return float(np.exp(middle))
 
@@ -83,6 +83,6 @@ def lot(
             warm = oven + off * random.standard_normal()
         first = 40 * (1 + spread * random.standard_normal())
         scatter = 40 * noise * random.standard_normal(len(hours))
-        force = first * rubber.left(hours, warm) + scatter + 40 * zero * hours / 1000
+        force = first * rubber.force_ratio(hours, warm) + scatter + 40 * zero * hours / 1000
         result.append((hours, force, np.full(len(hours), oven), np.full(len(hours), number + 1)))
     return Lot(*map(np.concatenate, zip(*result, strict=True)))

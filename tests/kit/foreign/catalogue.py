@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from .rigs import RIGS, SOUND, Protocol, Record, Rig, hums, noisy, read
+from .rigs import FAULTLESS, RIGS, Protocol, Record, Rig, hums, noisy, read
 from .truths import FAMILIES, TABLE_1, TRUTHS, Seal, Solid, draw_truth
 
 RATES = (250.0, 500.0, 1000.0, 2000.0, 5000.0, 10000.0)
@@ -72,4 +72,4 @@ def verdict_records(
             yield read(Seal(truth), protocol_of(truth, seed), RIGS[rig], seed=seed, name=name)
 
 
-__all__ = ["NOISES", "RATES", "SOUND", "protocol_of", "relaxation_records", "verdict_records"]
+__all__ = ["FAULTLESS", "NOISES", "RATES", "protocol_of", "relaxation_records", "verdict_records"]

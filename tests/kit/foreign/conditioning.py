@@ -97,7 +97,7 @@ class ConditionedRecord:
     truth: Arms
     hold: float
     depth: float
-    sound: bool
+    faultless: bool
     facts: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -223,7 +223,7 @@ def make_conditioned_record(
         f"{f', softens {100 * mullins:.0f} %' if mullins else ''}{rig and f', {rig}'}"
     )
     return ConditionedRecord(
-        message, np.round(time, 6), seen, force, truth, hold, depth, sound=not mullins,
+        message, np.round(time, 6), seen, force, truth, hold, depth, faultless=not mullins,
         facts={"kind": kind, "bonded": bonded, "rest": rest, "ramp": ramp},
     )  # fmt: skip
 

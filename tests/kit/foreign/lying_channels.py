@@ -16,7 +16,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from .rigs import SOUND, Protocol, Record, Rig, hums, press_seal
+from .rigs import FAULTLESS, Protocol, Record, Rig, hums, press_seal
 from .truths import Seal
 
 
@@ -131,7 +131,7 @@ LYING: Mapping[str, Rig] = MappingProxyType({
 """Rigs of which a channel stands still while its sensor does not."""
 
 HONEST: Mapping[str, Rig] = MappingProxyType({
-    "none": SOUND,
+    "none": FAULTLESS,
     "coarse force": Rig(**_COARSE),
     "coarser force": Rig(noise=1e-3, count=15e-3),
     "force of 4 mN counts": Rig(noise=1e-3, count=4e-3),

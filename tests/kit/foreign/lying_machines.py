@@ -56,8 +56,10 @@ class TrueSeal:
         """Return the force of a compression that is straight between samples."""
         force, rise = self.k_inf * x, np.diff(x, prepend=0.0)
         for k, tau in zip(self.k, self.tau, strict=True):
-            left = np.exp(-step / tau)
-            force = force + k * tau / step * (1 - left) * lfilter([1.0], [1.0, -left], rise)
+            remaining = np.exp(-step / tau)
+            force = force + k * tau / step * (1 - remaining) * lfilter(
+                [1.0], [1.0, -remaining], rise
+            )
         return force
 
 

@@ -79,7 +79,7 @@ class Record:
     force: np.ndarray
     compression: np.ndarray
     pure: np.ndarray
-    told: Mapping[str, float] = field(default_factory=dict)
+    machine_options: Mapping[str, float] = field(default_factory=dict)
     done: tuple[tuple[str, Mapping[str, float]], ...] = ()
 
     @property
@@ -291,10 +291,10 @@ class Rig:
     protocol: Mapping[str, object] = field(default_factory=dict)
     seal: Mapping[str, float] = field(default_factory=dict)
     friction: float = 0.0
-    told: Mapping[str, float] = field(default_factory=dict)
+    machine_options: Mapping[str, float] = field(default_factory=dict)
 
 
-SOUND = Rig()
+FAULTLESS = Rig()
 _MAINS = (50.01, 49.97, 60.02)
 """Hz."""
 _C = 1 - 150.0 / 196.5
@@ -310,7 +310,7 @@ def _reading(*steps: Step, **changes) -> Rig:
 
 
 RIGS: Mapping[str, Rig] = MappingProxyType({
-    "none": SOUND,
+    "none": FAULTLESS,
     "white 10 mN": Rig(noise=10e-3),
     "AR noise 20 ms": _reading(partial(noisy, sd=5e-3, tau=0.02)),
     "AR noise .5 s": _reading(partial(noisy, sd=5e-3, tau=0.5)),
@@ -336,7 +336,7 @@ RIGS: Mapping[str, Rig] = MappingProxyType({
     "thermal wave": _reading(partial(waves, size=20e-3, period=600.0)),
     "compliance 50 um/N": _machine(partial(gives, compliance=50e-6)),
     "compliance 50 um/N, named": _machine(
-        partial(gives, compliance=50e-6), told={"compliance": 50e-6}
+        partial(gives, compliance=50e-6), machine_options={"compliance": 50e-6}
     ),
     "crosshead creep 20 um": _machine(partial(creeps, by=20e-6)),
     "crosshead creep 20 um, recorded": _machine(partial(creeps, by=20e-6, seen=True)),
@@ -405,7 +405,7 @@ def several(seed: int) -> Rig:
 
 
 def read(
-    seal: Seal, protocol: Protocol, rig: Rig = SOUND, *, seed: int = 0, name: str = ""
+    seal: Seal, protocol: Protocol, rig: Rig = FAULTLESS, *, seed: int = 0, name: str = ""
 ) -> Record:
     """Press a seal on a rig and read it; the same words give the same bytes."""
     random = np.random.default_rng([seed, crc32(name.encode())])
@@ -417,7 +417,7 @@ def read(
         *rig.machine, rig.rows, partial(noisy, sd=rig.noise), *rig.reading,
         partial(quantise_record, encoder=rig.encoder, count=rig.count, bias=rig.bias),
     )  # fmt: skip
-    record = replace(press_seal(seal, protocol, name=name), told=rig.told)
+    record = replace(press_seal(seal, protocol, name=name), machine_options=rig.machine_options)
     for step in steps:
         words = getattr(step, "keywords", {})
         done = (*record.done, (getattr(step, "func", step).__name__, words))

@@ -12,7 +12,11 @@ from dashpot.base import dataclass, replace
 from dashpot.base.errors import DataError
 from dashpot.base.reported_values import ReportedValue
 from dashpot.extensions.acceptance.datamodel import Acceptance, LimitAssessment
-from dashpot.extensions.acceptance.judgement import POWER, count_additional_tests, judge_interval
+from dashpot.extensions.acceptance.judgement import (
+    POWER_QUANTILE,
+    count_additional_tests,
+    judge_interval,
+)
 from dashpot.extensions.acceptance.limit_files import (
     LimitEntry,
     is_expression,
@@ -138,7 +142,7 @@ def _judge_entry(entry: LimitEntry[ResultValue], *, is_usable: bool) -> LimitAss
                 lower, upper, reported_value.value, low, high,
                 noise_share=value.noise_share, quantile=quantile,
             )
-            for quantile in (0.0, POWER)
+            for quantile in (0.0, POWER_QUANTILE)
         )  # fmt: skip
     return LimitAssessment(
         value.column,

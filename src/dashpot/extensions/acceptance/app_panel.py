@@ -62,5 +62,5 @@ def describe_limit_file(path: Path) -> dict[str, Any] | None:
     if recognise_limits(tables) is None:
         return None
     return {"kind": "limits", "page": "limits", "line": format_count(len(tables), "limit"),
-            "mark": "good", "simulated": False, "long": False, "asks": [], "alone": False,
-            "name": path.name}  # fmt: skip
+            "mark": "good", "simulated": False, "long": False, "form_fields": [],
+            "takes_one_file": False, "name": path.name}  # fmt: skip

@@ -9,7 +9,7 @@ from dashpot.base.reported_values import NORMAL
 
 Outcome = Literal["met", "missed", "open"]
 
-POWER = 1.281552
+POWER_QUANTILE = 1.281552
 """Normal quantile of 0.9: the chance of the larger number of tests."""
 
 

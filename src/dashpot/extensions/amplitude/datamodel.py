@@ -15,9 +15,9 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
     resolve_unit,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.errors import DataError
@@ -101,7 +101,7 @@ class AmplitudeSweep(EqualByValue, HasSummary):
             object.__setattr__(
                 self, "amplitude_unit", {"length": "m"}.get(arrays["amplitude"], "strain")
             )
-        hold_measured(self, "frequency", "amplitude", "storage", "loss", "sd")
+        validate_measured_fields(self, "frequency", "amplitude", "storage", "loss", "sd")
         for name, unit in (("frequency", "Hz"), ("amplitude", self.amplitude_unit)):
             values = getattr(self, name)
             bad_indices = np.flatnonzero(values <= 0)
@@ -189,7 +189,7 @@ class StressStrainLoops(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, time="time", strain="strain", stress="stress")
-        hold_measured(self, "time", "strain", "stress", minimum=8)
+        validate_measured_fields(self, "time", "strain", "stress", minimum=8)
 
     @property
     def _table_columns(self) -> Series:

@@ -17,7 +17,7 @@ from dashpot.reading.columns.kind_detection import (
     assign_amplitude_column,
     group_values,
 )
-from dashpot.reading.columns.role_assignment import RoleAssignment, assign, list_columns
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign_role, list_columns
 from dashpot.reading.columns.vocabulary import Role, has_word, normalise_name
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -53,7 +53,7 @@ def find_amplitude_column(file: OpenedFile) -> RoleAssignment:
     """
     amplitude_options = assign_amplitude_column(file.table, file.options)
     for role in _AMPLITUDES:
-        assignment = assign(file.table, role, amplitude_options)
+        assignment = assign_role(file.table, role, amplitude_options)
         if isinstance(assignment, RoleAssignment):
             return assignment
         if assignment.choices:
@@ -92,7 +92,7 @@ def list_loop_roles(file: OpenedFile) -> tuple[Role, ...]:
     """Return the columns that loops are read from: of a part, or of a material without them."""
 
     def holds(roles: tuple[Role, ...]) -> bool:
-        assignments = (assign(file.table, role, file.options) for role in roles[1:])
+        assignments = (assign_role(file.table, role, file.options) for role in roles[1:])
         return all(isinstance(assignment, RoleAssignment) for assignment in assignments)
 
     return _MATERIAL if holds(_MATERIAL) and not holds(_PART) else _PART
@@ -140,7 +140,7 @@ def read_amplitude(
         were met at several temperatures.
     """
     with channels.open_file(path, options) as file:
-        channels.expect(
+        channels.refuse_other_kinds(
             file,
             ["strain-sweep", "single-frequency"],
             "an amplitude sweep is",
@@ -168,7 +168,7 @@ def read_amplitude(
             unit,
             _UNIT_OF_ROLE[column.role],
             specimen,
-            channels.source(file, [c.message for c in channels_chosen], (*notes, *sentences)),
+            channels.make_source(file, [c.message for c in channels_chosen], (*notes, *sentences)),
             units="SI",
         )
 

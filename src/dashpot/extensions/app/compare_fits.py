@@ -38,7 +38,7 @@ from dashpot.plot.picture import (
     Scale,
 )
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
-from dashpot.report.first_screen import Light
+from dashpot.report.first_screen import Indicator
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
 from dashpot.workflow.recommended_solid import Recommendation, RecommendedValue, recommend_solid
@@ -115,9 +115,9 @@ def _get_source_name(compared_fit: ComparedFit) -> str:
     return "joint model" if compared_fit.study.joint is not None else "relaxation"
 
 
-def _make_indicators(a: ComparedFit, b: ComparedFit) -> tuple[Light, ...]:
+def _make_indicators(a: ComparedFit, b: ComparedFit) -> tuple[Indicator, ...]:
     return tuple(
-        Light(side.name, VERDICT_COLOURS[side.study.verdict.use], side.study.verdict.use)
+        Indicator(side.name, VERDICT_COLOURS[side.study.verdict.use], side.study.verdict.use)
         for side in (a, b)
     )
 
@@ -331,7 +331,7 @@ def _render_residuals(a: ComparedFit, b: ComparedFit, sizes: view_models.Sizes) 
     curves = [mark.y for mark in marks if isinstance(mark, Line)]
     time_span = (min(low for low, _ in spans), max(high for _, high in spans))
     panel = Panel(
-        Scale(relaxation.SINCE_RAMP, time_span, log=True),
+        Scale(relaxation.TIME_AFTER_RAMP_LABEL, time_span, log=True),
         Scale(f"residual, {unit}", compute_padded_limits(*curves, np.array([noise, -noise]))),
         (*rules, *marks),
     )

@@ -27,7 +27,7 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any], Path], bytes]] = {
     "bench": bench_tests.fit_bench_test, "take-bench": bench_tests.download_bench,
     "level": job_results.fit_levels, "take-level": job_results.download_level,
     "against": compare_fits.build_fit_comparison, "overlay": overlay_fits.overlay_tests,
-    "judged": kind_results.fit_kind, "take-judged": kind_results.download_kind,
+    "standalone": kind_results.fit_kind, "take-standalone": kind_results.download_kind,
     "hammer": hammer_results.analyse_hits, "take-hammer": hammer_results.download_hammer,
     "modes": job_results.find_modes, "take-modes": job_results.download_modes,
     "recent": open_folder.get_recent_folders, "folder": open_folder.open_folder,

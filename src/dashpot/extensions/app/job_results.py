@@ -16,7 +16,7 @@ from dashpot.extensions.app.limits_panel import judge_limits
 from dashpot.extensions.app.request_parsing import build_from_request, get_list, get_panel_sizes
 from dashpot.extensions.app.upload_store import find_file
 from dashpot.registry import find_handler, require_handler
-from dashpot.report.first_screen import Light
+from dashpot.report.first_screen import Indicator
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.report.result_page import JobPage, format_json, kind_page
 from dashpot.workflow.job import LevelJob
@@ -51,7 +51,7 @@ def _build_message(
     job: Any,
     request: Mapping[str, Any],
     folder: Path,
-    indicators: Sequence[Light],
+    indicators: Sequence[Indicator],
     **others: Any,
 ) -> bytes:
     """Return verdict, numbers, checks, figures, downloads, and the equivalent command."""

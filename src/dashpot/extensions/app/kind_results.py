@@ -79,7 +79,7 @@ def _parse_request(request: Mapping[str, Any], folder: Path) -> KindRequest:
     if not files:
         raise DataError("no file of this kind is open: open one first")
     kind, typed_fields = str(request.get("kind", "")), {}
-    for name, text in require_mapping(request.get("said", {}), "said").items():
+    for name, text in require_mapping(request.get("form_values", {}), "form_values").items():
         if not isinstance(text, str):
             raise DataError(f"{name} = {text!r}; expected a text")
         typed_fields[str(name)] = text
@@ -144,7 +144,6 @@ def fit_kind(request: Mapping[str, Any], folder: Path) -> bytes:
             if list_cards is None
             else draw_cards(list_cards(result), width),
             "facts": [list(names) for names in page.summary_line],
-            "asks": view_models.make_form_fields(get_form(kind_request.kind)),
             "simulated": any(source.simulated for source in page.sources),
             **judge_limits(request, folder, result).add_to(_format_command(kind_request)),
         }

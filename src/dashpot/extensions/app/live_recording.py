@@ -141,7 +141,7 @@ class Live:
         """Return the displayed state: the state, in words, and a drawing of each channel."""
         recorder = self._recorder
         if recorder is None:
-            return {"running": False, "rows": 0, "message": "", "drawn": [], "kept": None}
+            return {"running": False, "rows": 0, "message": "", "drawn": [], "saved_file": None}
         description, running = recorder.describe(), self.running
         with self._lock:
             curves = [trace.curve() for trace in self._traces]
@@ -163,7 +163,7 @@ class Live:
         return {
             "running": running, "rows": rows, "message": message, "failed": failed,
             "drawn": drawings,
-            "kept": None if running else saved_file,
+            "saved_file": None if running else saved_file,
         }  # fmt: skip
 
     def _format_location(self, rows: int) -> list[str]:

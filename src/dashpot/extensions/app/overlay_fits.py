@@ -24,7 +24,7 @@ from dashpot.extensions.app.request_parsing import (
 )
 from dashpot.plot.picture import Line, Mark, Panel, Pen, Scale
 from dashpot.plot.plotted_data import compute_padded_limits, downsample_to_means
-from dashpot.plot.relaxation import SINCE_RAMP
+from dashpot.plot.relaxation import TIME_AFTER_RAMP_LABEL
 from dashpot.plot.style import sequential
 from dashpot.report.page_frame import VERDICT_COLOURS
 from dashpot.workflow.job import Job
@@ -155,7 +155,7 @@ def _render_hold_panel(tests: Sequence[OverlaidTest], sizes: view_models.Sizes) 
     curves = [mark for mark in marks if isinstance(mark, Line)]
     time_span = min(mark.x[0] for mark in curves), max(mark.x[-1] for mark in curves)
     panel = Panel(
-        Scale(SINCE_RAMP, (float(time_span[0]), float(time_span[1])), log=True),
+        Scale(TIME_AFTER_RAMP_LABEL, (float(time_span[0]), float(time_span[1])), log=True),
         Scale("force over depth, N/mm", compute_padded_limits(*(mark.y for mark in curves))),
         tuple(marks),
     )

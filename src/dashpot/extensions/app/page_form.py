@@ -26,7 +26,7 @@ LABELS = {
 def get_form(kind: str) -> tuple[FormField, ...]:
     """Return the form for the files of a kind of test; empty if it has none."""
     row = KINDS.get(kind)
-    return load_object(f"{row.app_form}:ASKS") if row is not None and row.app_form else ()
+    return load_object(f"{row.app_form}:FORM_FIELDS") if row is not None and row.app_form else ()
 
 
 def fill_form(page: str) -> str:
@@ -39,7 +39,7 @@ def fill_form(page: str) -> str:
         f"<option>{word}</option>" for word in get_choice_values(AmplitudeLawOption)
     )
     page = page.replace("<!-- amplitude-law -->", law_options)
-    return page.replace("<!-- usual -->", json.dumps(get_job_defaults()))
+    return page.replace("<!-- defaults -->", json.dumps(get_job_defaults()))
 
 
 def get_job_defaults() -> dict[str, Any]:

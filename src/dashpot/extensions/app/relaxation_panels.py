@@ -26,7 +26,12 @@ from dashpot.plot.plotted_data import (
     downsample_to_means,
     select_plot_unit,
 )
-from dashpot.plot.relaxation import SINCE_RAMP, PlottedFit, compute_time_step, residual_panel
+from dashpot.plot.relaxation import (
+    TIME_AFTER_RAMP_LABEL,
+    PlottedFit,
+    compute_time_step,
+    residual_panel,
+)
 
 
 def make_fit_panels(
@@ -148,7 +153,7 @@ def _make_axes(prepared: RampHold, full_test: RampHold) -> tuple[tuple[float, fl
         max(first, prepared.onset - 0.5 * ramp_time),
         min(end, prepared.ramp_end + 0.8 * ramp_time),
     )
-    return ramp_window, Scale(SINCE_RAMP, (start, hold_length), log=True)
+    return ramp_window, Scale(TIME_AFTER_RAMP_LABEL, (start, hold_length), log=True)
 
 
 def _make_ramp_line(

@@ -93,7 +93,7 @@ def inspect(request: Mapping[str, Any], folder: Path) -> bytes:
     description |= _get_kind_fields(inspection.kind)
     description["specimens"] = _list_specimens(path, inspection, options)
     if description["mark"] != "good" or view_models.get_section(inspection) in {"", "part"}:
-        description["asked"] = view_models.render_column_questions(
+        description["question"] = view_models.render_column_questions(
             inspection,
             _list_unit_consequences(path, inspection, options),
             options.rate,
@@ -118,10 +118,10 @@ def _get_kind_fields(kind: str) -> dict[str, Any]:
         else kind_of_test
     )
     if form_kind is None:
-        return {"asks": [], "alone": False}
+        return {"form_fields": [], "takes_one_file": False}
     return {
-        "asks": view_models.make_form_fields(get_form(form_kind.name)),
-        "alone": form_kind.takes_one_file,
+        "form_fields": view_models.make_form_fields(get_form(form_kind.name)),
+        "takes_one_file": form_kind.takes_one_file,
     }
 
 
@@ -185,10 +185,10 @@ def preview_fit(request: Mapping[str, Any], folder: Path) -> bytes:
         time_origin=time_origin
     )  # fmt: skip
     message = {
-        "beside": live_curves.words,
+        "both_fits": live_curves.words,
         "time_limits": _list_time_limits(ramp_hold),
         "end": view_models.format_end_stiffness(preview, ramp_hold),
-        "left": live_curves.residual_note,
+        "residual_note": live_curves.residual_note,
     }
     return wire_format.encode_message(message, live_curves.arrays)
 
@@ -238,7 +238,7 @@ def fit_with_intervals(request: Mapping[str, Any], folder: Path) -> bytes:
             "colour": VERDICT_COLOURS[fit.verdict.use],
             "solid": view_models.render_arms(fit),
             "checks": view_models.render_checks(checks),
-            "beside": view_models.render_template(
+            "both_fits": view_models.render_template(
                 "paper_values", rows=view_models.make_parameter_rows(fit, by_eq5)
             ),
             "panels": panels,

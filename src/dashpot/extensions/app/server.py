@@ -42,7 +42,7 @@ WORKERS = {
     "take": "slow", "profile": "live", "project": "slow", "bench": "slow", "take-bench": "slow",
     "level": "slow", "take-level": "slow",
     "hammer": "slow", "take-hammer": "slow", "modes": "slow", "take-modes": "slow",
-    "against": "slow", "overlay": "slow", "judged": "slow", "take-judged": "slow",
+    "against": "slow", "overlay": "slow", "standalone": "slow", "take-standalone": "slow",
     "recent": "live", "folder": "settle", "row": "settle",
 }  # fmt: skip
 """Worker pool of each request."""
@@ -63,7 +63,7 @@ _CACHED_REQUESTS = {
     "bench",
     "level",
     "modes",
-    "judged",
+    "standalone",
     "against",
     "hammer",
     "overlay",
@@ -98,7 +98,7 @@ class AppContext:
             "folders": [str(place.resolve()) for place in paths if place.is_dir()],
         }
         if not paths and (saved_session := session.get_saved_session()):
-            self.state["left"] = saved_session
+            self.state["last_session"] = saved_session
 
     async def answer(self, verb: str, body: bytes) -> bytes:
         """Return the response to a request, from the cache if possible."""
@@ -254,7 +254,7 @@ def application(context: AppContext) -> Starlette:  # noqa: C901 -- a list of ro
     async def resume(request: Request) -> Response:
         if request.method == "DELETE":
             session.delete_session()
-            context.state.pop("left", None)
+            context.state.pop("last_session", None)
         else:
             context.state = await asyncio.to_thread(session.restore_session, context.store)
         return JSONResponse(context.state)
@@ -318,7 +318,7 @@ def _list_recording_routes(context: AppContext) -> list[Route]:
         return JSONResponse(await asyncio.to_thread(context.live.describe_state, *size))
 
     async def fit_recorded(_: Request) -> Response:
-        recorded_file = context.live.describe_state(0, 0)["kept"]
+        recorded_file = context.live.describe_state(0, 0)["saved_file"]
         if recorded_file is None:
             raise DataError("no record is there to fit: start one, and stop it")
         context.state["open"] = [*context.state.get("open", []), recorded_file]

@@ -71,7 +71,7 @@ from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
 from dashpot.registry import KINDS
 from dashpot.report import first_screen
 from dashpot.report.figures import draw_stabilisation_chart
-from dashpot.report.first_screen import GRADE_MARKS, Light, Row
+from dashpot.report.first_screen import GRADE_MARKS, Indicator, Row
 from dashpot.report.page_frame import VERDICT_COLOURS, environment
 from dashpot.report.result_page import Group
 from dashpot.vibration.impact.checks import high_frequency_mass_agrees
@@ -84,7 +84,7 @@ from dashpot.workflow.study import Study
 
 ROLES = ("time", "displacement", "force", "hammer", "acceleration")
 """Roles of the columns of a relaxation test or hammer test."""
-_SEPARATE_SECTIONS = ("response", "base", "bench", "level", "judged", "part")
+_SEPARATE_SECTIONS = ("response", "base", "bench", "level", "standalone", "part")
 """Sections of the page with files that belong to no job, or to several."""
 REQUESTED_DIMENSIONS: tuple[Dimension, ...] = ("time", "length", "force", "acceleration")
 """Dimensions of the units that a column may have."""
@@ -520,7 +520,9 @@ def compute_live_response(predicted: FRF) -> LiveCurves:
 # -- Parts of the page ----------------------------------------------------------------------------
 
 
-def render_verdict(verdict: Verdict, indicators: Sequence[Light] = (), *, mass: str = "") -> str:
+def render_verdict(
+    verdict: Verdict, indicators: Sequence[Indicator] = (), *, mass: str = ""
+) -> str:
     """The verdict in colour and words, with its lights, and a mass, g, that would mend it."""
     return render_template(
         "verdict",
@@ -563,11 +565,11 @@ def find_explaining_mass(study: Study) -> str:
     return round_to_error(convert_to_unit(study.mass * (1 + mass_check.value), "g"), digits=4)
 
 
-def make_fit_indicators(fit: Fit) -> tuple[Light, ...]:
+def make_fit_indicators(fit: Fit) -> tuple[Indicator, ...]:
     """Return the indicators of a fit, before the hammer and the limits are computed."""
     return (
         first_screen.make_test_light(fit.checks),
-        *(Light(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
+        *(Indicator(name, "open", "not looked at") for name in ("Stiffness", "Damping")),
     )
 
 

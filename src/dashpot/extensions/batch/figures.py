@@ -200,7 +200,7 @@ def cpk_picture(capabilities: Sequence[Capability], required_cpk: float | None) 
     ]
     interval = [low, high]
     if required_cpk is not None:
-        marks.append(Rule(required_cpk, _LIMIT_PEN, "asked"))
+        marks.append(Rule(required_cpk, _LIMIT_PEN, "required"))
         interval.append(np.array([required_cpk]))
     horizontal = Scale("Cpk", compute_padded_limits(*interval))
     vertical = Scale("", (0.0, len(ranked_lots) + 1.0), unnumbered=True)

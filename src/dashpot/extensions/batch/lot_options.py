@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from dashpot.extensions.batch.summary import Summary
 
 
-OF_HAMMER_ALONE = tuple(name for name in OF_HAMMER if name != "frequency")
+HAMMER_ONLY = tuple(name for name in OF_HAMMER if name != "frequency")
 """Options of hammer tests that no dynamic sweep has."""
 
 
@@ -94,7 +94,7 @@ def build_job(
     # columns named for one kind of file need not exist in the other's; units do no harm
     choices = replace(
         choices,
-        reading=options.drop_fields(OF_HAMMER_ALONE),
+        reading=options.drop_fields(HAMMER_ONLY),
         reading_impact=options.select_fields(("units", *OF_HAMMER)),
         machine=machine,
     )

@@ -166,9 +166,9 @@ def _format_unfitted_files(lot: dp.Lot) -> list[str]:
 
 
 def _format_outliers(lot: dp.Lot, quantity: str) -> list[str]:
-    """Return the tests to look at."""
+    """Return the outliers, and the holds that are shorter than those of the lot."""
     lines = [
-        f"  stands out  {file}: {value:+.1f} robust deviations from its lot"
+        f"  outlier     {file}: {value:+.1f} robust deviations from its lot"
         for file, value in lot.outliers(quantity)
     ]
     return [*lines, *(f"  short hold  {file}" for file in lot.short_holds)]

@@ -28,7 +28,7 @@ from dashpot.extensions.batch.input_files import LABELS
 from dashpot.extensions.batch.lot import Lot
 from dashpot.extensions.batch.quantities import Quantity
 from dashpot.extensions.batch.seals import Seal, average_seals, split_seals_by_lot
-from dashpot.extensions.batch.statistics.control_chart import BEYOND, MIN_POINTS
+from dashpot.extensions.batch.statistics.control_chart import MIN_POINTS, OUTSIDE_LIMITS
 from dashpot.extensions.batch.statistics.gauge_rr import GOOD_SHARE, LIMIT
 from dashpot.extensions.batch.summary import QuantitySummary, Summary, summary
 from dashpot.plot.picture import Picture
@@ -218,7 +218,7 @@ def _make_curves(lot: Lot, summary: Summary) -> RenderedFigure | None:
     rows = lot.rows_in_statistics.drop_nulls("k_end_N_per_m")
     files = [flag.file for flag in summary.flags if flag.file and flag.weighty]
     for chart in summary.main.charts.values():
-        for index in {index for index, rule in chart.means.signals if rule == BEYOND}:
+        for index in {index for index, rule in chart.means.signals if rule == OUTSIDE_LIMITS}:
             files += chart.seals[index].files
     if rows.is_empty():
         return None

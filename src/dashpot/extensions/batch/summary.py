@@ -42,7 +42,7 @@ from dashpot.extensions.batch.seals import (
     average_seals,
     split_seals_by_lot,
 )
-from dashpot.extensions.batch.statistics.control_chart import BEYOND, Chart
+from dashpot.extensions.batch.statistics.control_chart import OUTSIDE_LIMITS, Chart
 from dashpot.extensions.batch.statistics.gauge_rr import Gauge
 from dashpot.extensions.batch.statistics.process_capability import Capability
 from dashpot.extensions.batch.statistics.variance_components import (
@@ -427,12 +427,12 @@ def _list_outlier_seals(name: str, charts: Charts, quantity: Quantity) -> Iterat
         robust_distance(average_seals(charts.seals)),
         find_outlier_distances(average_seals(charts.seals)),
     )
-    indices_outside = {index for index, rule in charts.means.signals if rule == BEYOND}
+    indices_outside = {index for index, rule in charts.means.signals if rule == OUTSIDE_LIMITS}
     for i, seal in enumerate(charts.seals):
         if is_outlier[i] or i in indices_outside:
-            message = _format_distance(quantity, seal, float(distances[i])) + f", {BEYOND}" * (
-                i in indices_outside
-            )
+            message = _format_distance(
+                quantity, seal, float(distances[i])
+            ) + f", {OUTSIDE_LIMITS}" * (i in indices_outside)
             yield Flag(name, seal.name, _get_single_value(seal), message)
     if charts.repeats is None:
         return

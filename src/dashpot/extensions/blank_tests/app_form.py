@@ -10,7 +10,7 @@ from dashpot.extensions.blank_tests.fit_files import fit_blank_files
 from dashpot.extensions.blank_tests.machine_file import render_machine_file
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (
+FORM_FIELDS = (
     FormField("spring_stiffness", "Spring stiffness", "N/mm", "--spring-stiffness"),
     FormField("spring_error", "Its standard error", "%", "--spring-error"),
 )

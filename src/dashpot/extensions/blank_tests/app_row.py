@@ -28,4 +28,5 @@ def describe_machine_file(path: Path) -> dict[str, Any] | None:
     source = "" if machine.calibration is None else machine.calibration.source
     line = source.replace(f" {path.name}", "", 1) or "machine file, not from blank tests"
     return {"kind": "machine", "page": "machine", "line": line, "mark": "good", "simulated": False,
-            "long": False, "asks": [], "alone": False, "name": path.name}  # fmt: skip
+            "long": False, "form_fields": [], "takes_one_file": False,
+            "name": path.name}  # fmt: skip

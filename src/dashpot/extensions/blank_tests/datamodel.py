@@ -10,8 +10,8 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check
 from dashpot.base.option_fields import require_choice
@@ -60,7 +60,7 @@ class BlankTest(EqualByValue, HasSummary):
     def __post_init__(self) -> None:
         require_choice("role", self.role, Role)
         convert_arrays_to_si(self, time="time", displacement="length", force="force")
-        hold_measured(self, "time", "displacement", "force", minimum=8)
+        validate_measured_fields(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
 
     @property

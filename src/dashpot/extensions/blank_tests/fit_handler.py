@@ -23,6 +23,6 @@ def run(request: FitRequest) -> CommandResult:
         return CommandResult.from_result(fit, next_command=next_command)
     json_options = request.get_option_words("as_json")
     next_command = format_command(
-        "fit", *request.files, *json_options, "-o", "rig.toml", remark="keeps it"
+        "fit", *request.files, *json_options, "-o", "rig.toml", remark="writes it"
     )
     return request.write_output(fit, next_command=next_command)

@@ -36,7 +36,7 @@ def read_blank_test(
         channels_chosen, clocks = moving_columns(file)
         # sizes are those of no seal: the reader of its tests would doubt the units
         values, notes = load_signals(file, channels_chosen, clocks)
-        source = channels.source(file, [channel.message for channel in channels_chosen], notes)
+        source = channels.make_source(file, [channel.message for channel in channels_chosen], notes)
     time, displacement, force = (values[name] for name in ("time", "displacement", "force"))
     return BlankTest(time, displacement, force, role, source, units="SI")
 

@@ -14,7 +14,7 @@ EXTENSION = Extension(
         KindOfTest(
             "blank", "dashpot.extensions.blank_tests.read:read_blank_test",
             "dashpot.extensions.blank_tests.fit_files:fit_blank_files", fit_route="blank",
-            app_section="judged", app_form="dashpot.extensions.blank_tests.app_form",
+            app_section="standalone", app_form="dashpot.extensions.blank_tests.app_form",
             classes={
                 "dashpot.extensions.blank_tests.datamodel:BlankTest": "",
                 "dashpot.extensions.blank_tests.datamodel:MachineFit": "dashpot.extensions.blank_tests.figure:draw_machine",

@@ -13,7 +13,7 @@ from dashpot.base.errors import Status
 from dashpot.base.units import format_quantity
 from dashpot.base.value_ranges import format_quantity_short
 from dashpot.fitting.checks.relaxation import MAX_END_SLOPE
-from dashpot.fitting.checks.solid import ROUNDING, amount
+from dashpot.fitting.checks.solid import ROUNDING, format_amount
 from dashpot.signals.noise import estimate_robust_scatter
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 
 MAX_INCONSISTENT = 0.05
-# curves missed by more than this are not followed
+# largest rms error of a fit to the curves
 MAX_MISFIT = 0.05
 # largest residual of a joint model, over that of the fits alone
-MORE_TOGETHER = 1.3
+MAX_JOINT_RATIO = 1.3
 # ratio of scatters above which the tests are of different solids
 CONTRADICTION_RATIO = 3.0
 # chance of a scatter as small as the least that is allowed: 2.5 standard deviations
@@ -34,7 +34,7 @@ MIN_CHANCE = 0.0062
 # a plateau is known if no spectrum falls below this part of it within ten times the curve
 MIN_PLATEAU_RATIO = 0.8
 # largest decline at the end of a curve, relative to its total decline
-OF_ALL = 0.2
+MAX_END_SHARE = 0.2
 # default compliance of an instrument with its load cell, m/N
 USUAL_COMPLIANCE = 3e-7
 # relative error of the storage that is not reported; twice as much for the loss
@@ -42,7 +42,7 @@ UNSTATED_ERROR = 0.01
 # standard deviations by which a value scatters at most
 MAX_SCATTER_SD = 3.0
 # plateau ratio required of creep, which may hide a slow flow
-LEVEL_OF_CREEP = 0.65
+MIN_CREEP_PLATEAU_RATIO = 0.65
 
 
 # -- Magnitudes of strain and stress --------------------------------------------------------------
@@ -118,7 +118,7 @@ def kramers_kronig(misfit: tuple[FloatArray, FloatArray] | None) -> Finding:
             remedy="Check the sign of storage and force.",
             always_fails=True,
         )
-    smooth_errors = [_without_scatter(error) for error in misfit]
+    smooth_errors = [_compute_smooth_rms(error) for error in misfit]
     return Finding(
         f"The nearest passive model misses storage by {100 * smooth_errors[0]:.2g} % and loss by "
         f"{100 * smooth_errors[1]:.2g} % beyond scatter",
@@ -222,13 +222,14 @@ def modulus_falls(modulus: FloatArray) -> Finding:
 
 
 @criterion("plateau, N/m or Pa", ">", source="3 standard errors")
-def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str) -> Finding:
+def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, remedy: str) -> Finding:
     """The stiffness that does not relax is above zero."""
     return Finding(
-        f"The plateau is {amount(model.k_inf, unit)} with a standard error of {amount(se, unit)}",
+        f"The plateau is {format_amount(model.k_inf, unit)} with a standard error of "
+        f"{format_amount(se, unit)}",
         model.k_inf,
         "It may be zero: the material flows, or the measurement ended too early",
-        extra,
+        remedy,
         limit=3.0 * se,
         # exact data leave a plateau of rounding size, and a standard error to match
         always_fails=model.k_inf <= ROUNDING * (model.k_inf + sum(model.k)),
@@ -240,7 +241,7 @@ def plateau_seen(model: GeneralizedMaxwell, se: float, *, unit: str, extra: str)
     ">=",
     MIN_PLATEAU_RATIO,
     "simulation: above it 1 plateau in 20 is off by more than 10 %",
-    other_grade=f"{LEVEL_OF_CREEP:g} of creep",
+    other_grade=f"{MIN_CREEP_PLATEAU_RATIO:g} of creep",
 )
 def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     """The curve levels off: no model that fits the data relaxes much further."""
@@ -249,7 +250,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
         end.levels,
         "So k_inf is extrapolated, with no lower limit",
         end.remedy,
-        limit=LEVEL_OF_CREEP if end.test_kind == "creep" else MIN_PLATEAU_RATIO,
+        limit=MIN_CREEP_PLATEAU_RATIO if end.test_kind == "creep" else MIN_PLATEAU_RATIO,
     )
 
 
@@ -258,7 +259,7 @@ def plateau_determined(end: EndOfHold, unit: str) -> Finding:
     "<=",
     MAX_END_SLOPE,
     "as for a hold",
-    other_grade=f"beyond {OF_ALL:g} of all that the data fell, if that is less",
+    other_grade=f"beyond {MAX_END_SHARE:g} of all that the data fell, if that is less",
 )
 def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
     """At the end of the curve, no model that fits the data still falls much.
@@ -272,7 +273,7 @@ def curve_level_at_end(end: EndOfHold, decrease: float) -> Finding:
         relative_slope,
         "A model that continues like this has another plateau, or none",
         end.remedy,
-        limit=min(MAX_END_SLOPE, OF_ALL * max(decrease, 0.0)),
+        limit=min(MAX_END_SLOPE, MAX_END_SHARE * max(decrease, 0.0)),
     )
 
 
@@ -295,13 +296,13 @@ def run_plateau_checks(
     *,
     unit: str,
     first: float,
-    extra: str,
+    remedy: str,
 ) -> tuple[Check, ...]:
     """Return the checks of the plateau: whether there is one, and its error where it was asked.
 
     `first` is the stiffness of the model where the data are fastest.
     """
-    plateau_check = plateau_seen(model, se, unit=unit, extra=extra)
+    plateau_check = plateau_seen(model, se, unit=unit, remedy=remedy)
     if end is None or plateau_check.failed:
         return (plateau_check,)
     return plateau_determined(end, unit), curve_level_at_end(
@@ -329,9 +330,9 @@ def few_arms_sufficient(
     temperatures share.
     """
     return Finding(
-        f"Arms that follow the curves: {arms}",
+        f"The model fits the curves with {arms} arms",
         relative_misfit,
-        failure=f"No number of arms up to {max_arms} follows the curves: best {arms}, "
+        failure=f"No number of arms up to {max_arms} fits the curves: best {arms}, "
         f"{100 * relative_misfit:.2g} % rms. This is the dense spectrum of "
         f"{dense_spectrum[0]} arms, at {100 * dense_spectrum[1]:.2g} %",
         remedy="Use it as a table for a solver; its single arms mean nothing.",
@@ -341,14 +342,14 @@ def few_arms_sufficient(
 
 
 @criterion(
-    "scatter jointly / alone",
+    "scatter jointly / separately",
     "<=",
-    MORE_TOGETHER,
+    MAX_JOINT_RATIO,
     other_grade=f"what chance shows in few lines; stop beyond {CONTRADICTION_RATIO:g}, more in few",
     fit_status=Status.TESTS_DISAGREE,
 )
 def data_agree(
-    residual_ratios: Sequence[float], names: Sequence[str], freedom: Sequence[float]
+    residual_ratios: Sequence[float], names: Sequence[str], degrees_of_freedom: Sequence[float]
 ) -> Finding:
     r"""One model fits all data sets about as well as a model for each does.
 
@@ -357,27 +358,28 @@ def data_agree(
     residual_ratios : sequence of float
         Residual of each curve with the joint model, over that of a fit to its test alone.
     names : sequence of str
-    freedom : sequence of float
-        Degrees of freedom of the latter: few of them may leave a scatter far too small.
+    degrees_of_freedom : sequence of float
+        Of the latter: few of them may leave a scatter far too small.
     """
-    least_scatter = _compute_least_scatter(np.maximum(freedom, 1.0), MIN_CHANCE)
-    limits = np.maximum(MORE_TOGETHER, 1 / least_scatter)
+    least_scatter = _compute_least_scatter(np.maximum(degrees_of_freedom, 1.0), MIN_CHANCE)
+    limits = np.maximum(MAX_JOINT_RATIO, 1 / least_scatter)
     worst_index = int(np.argmax(np.asarray(residual_ratios) / limits))
     return Finding(
-        f"The joint model has {residual_ratios[worst_index]:.3g} times the residual of the own fit "
-        f"of {names[worst_index]}",
+        f"The joint model has {residual_ratios[worst_index]:.3g} times the residual of the "
+        f"separate fit of {names[worst_index]}",
         float(residual_ratios[worst_index]),
         "The tests contradict each other, or one model needs more arms. Small vibration at depth "
         "has the tangent stiffness, a press from zero the secant",
         "Check that specimen, length, temperature and depth are the same.",
         limit=float(limits[worst_index]),
         grade="stop"
-        if residual_ratios[worst_index] / limits[worst_index] > CONTRADICTION_RATIO / MORE_TOGETHER
+        if residual_ratios[worst_index] / limits[worst_index]
+        > CONTRADICTION_RATIO / MAX_JOINT_RATIO
         else None,
     )
 
 
-def _compute_least_scatter(freedom: FloatArray, chance: float) -> FloatArray:
+def _compute_least_scatter(degrees_of_freedom: FloatArray, chance: float) -> FloatArray:
     r"""Return the least scatter of degrees of freedom over the true one, by chance.
 
     .. math:: s/\sigma = \sqrt{\chi^2_{\nu, p} / \nu}
@@ -388,7 +390,7 @@ def _compute_least_scatter(freedom: FloatArray, chance: float) -> FloatArray:
     # few fits need it, and scipy costs an import
     from scipy.special import chdtri
 
-    return np.sqrt(np.asarray(chdtri(freedom, 1 - chance)) / freedom)
+    return np.sqrt(np.asarray(chdtri(degrees_of_freedom, 1 - chance)) / degrees_of_freedom)
 
 
 @criterion("gap, a factor", "<=", 10.0, "our choice: a decade")
@@ -410,14 +412,14 @@ def _estimate_sweep_scatter(data: DynamicTest, values: FloatArray) -> float:
     """The usual standard deviation of values of a sweep from their neighbours, 0 of few."""
     kelvin = np.zeros(len(values)) if data.temperature is None else np.round(data.temperature)
     numbers = []
-    for item in distinct(kelvin):
-        selected = np.flatnonzero(kelvin == item)
+    for temperature in distinct(kelvin):
+        selected = np.flatnonzero(kelvin == temperature)
         ordered = values[selected[np.argsort(data.frequency[selected], kind="stable")]]
         numbers.append(estimate_robust_scatter(np.arange(float(len(selected))), ordered))
     return median(np.array(numbers))
 
 
-def _without_scatter(error: FloatArray) -> float:
+def _compute_smooth_rms(error: FloatArray) -> float:
     r"""Return :math:`\sqrt{\overline{e_i e_{i+1}}}`: the rms of what neighbours share."""
     if len(error) < 2:
         return 0.0
@@ -425,7 +427,7 @@ def _without_scatter(error: FloatArray) -> float:
 
 
 def _compute_chance_level(error: FloatArray) -> float:
-    r"""Return what :func:`_without_scatter` finds in white residuals, 2.5 standard deviations.
+    r"""Return what :func:`_compute_smooth_rms` finds in white residuals, 2.5 standard deviations.
 
     The mean product of n white neighbours has the standard deviation :math:`s^2/\sqrt n`.
     """

@@ -16,7 +16,7 @@ from dashpot.extensions.curves.checks import (
     strain_not_large,
     strain_not_small,
 )
-from dashpot.reading.columns.role_assignment import RoleAssignment, assign
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign_role
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.readers import channels
 from dashpot.reading.readers.channels import Channel, OpenedFile
@@ -41,7 +41,7 @@ _HELD_REASON = "its strain is held while its stress goes on"
 
 def is_stress_record(file: OpenedFile) -> bool:
     """Return whether the columns of strain and stress are found, or ambiguous."""
-    assignments = [assign(file.table, role, file.options) for role in MATERIAL[1:]]
+    assignments = [assign_role(file.table, role, file.options) for role in MATERIAL[1:]]
     return all(
         isinstance(assignment, RoleAssignment) or assignment.choices for assignment in assignments
     )
@@ -113,11 +113,11 @@ def read_strain_and_stress(file: OpenedFile, specimen: Specimen) -> dict[str, An
         If a column is not found or has no unit, time does not increase, or a unit makes a size that
         no such test has.
     """
-    channels_chosen = channels.choose(file, channels.add_time_role(file, *MATERIAL[1:]))
+    channels_chosen = channels.choose_channels(file, channels.add_time_role(file, *MATERIAL[1:]))
     values, notes = load_signals(file, channels_chosen)
     refuse_material_sizes(file, channels_chosen, values["strain"], values["stress"])
     specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
-    source = channels.source(file, [c.message for c in channels_chosen], [*notes, *sentences])
+    source = channels.make_source(file, [c.message for c in channels_chosen], [*notes, *sentences])
     signals = {name: values[name] for name in ("time", "strain", "stress")}
     return {**signals, "specimen": specimen, "source": source}
 

@@ -33,8 +33,8 @@ from dashpot.fitting.input_tests import Tests, checked_temperatures, ramp_holds
 from dashpot.fitting.marginal_relaxation import RelaxationData
 from dashpot.fitting.nonlinear_ramp.elastic_law import (
     RampLaw,
+    find_arm_shortage,
     select_elastic_law,
-    supported_by_holds,
 )
 from dashpot.fitting.nonlinear_ramp.fit_construction import (
     build_ramp_data,
@@ -122,7 +122,7 @@ def fit_depths(
     arm_checks = (
         ()
         if requested_arms is None
-        else (arms_enough(supported_by_holds(ordered_tests, law.hold), law.model.arms, unit="N"),)
+        else (arms_enough(find_arm_shortage(ordered_tests, law.hold), law.model.arms, unit="N"),)
     )
     joint_fit = build_ramp_fit(
         ordered_tests, law, requested_arms=requested_arms, by_depth=by_depth,

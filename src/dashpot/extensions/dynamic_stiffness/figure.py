@@ -18,13 +18,13 @@ def draw_stiffness_prediction(prediction: StiffnessPrediction, *, stamp: str = "
     """
     picture: Picture = prediction.fit.plot()
     strips = tuple(
-        tuple(_mark_asked(panel, prediction.frequencies) for panel in strip)
+        tuple(_mark_frequencies(panel, prediction.frequencies) for panel in strip)
         for strip in picture.strips
     )
     return replace(picture, strips=strips, stamp=stamp or picture.stamp)
 
 
-def _mark_asked(panel: Panel, frequencies: tuple[float, ...]) -> Panel:
+def _mark_frequencies(panel: Panel, frequencies: tuple[float, ...]) -> Panel:
     low, high = panel.x.limits
-    frequency_rules = tuple(Rule(f, REF, "asked") for f in frequencies if low <= f <= high)
+    frequency_rules = tuple(Rule(f, REF, "requested") for f in frequencies if low <= f <= high)
     return replace(panel, marks=(*panel.marks, *frequency_rules))

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from dashpot.base.errors import ReadError
-from dashpot.reading.columns.role_assignment import RoleAssignment, assign, unit_for
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign_role, get_unit
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.table import FileTable, LoadedColumns
 
@@ -56,18 +56,18 @@ def convert_viscosities(table: FileTable, options: ReadOptions) -> FileTable:
         and (modulus := _name_modulus(column.name))
         and (factor := _parse_viscosity(column.unit))
     }
-    frequency = assign(table, "frequency", options) if viscosities else None
+    frequency = assign_role(table, "frequency", options) if viscosities else None
     if not isinstance(frequency, RoleAssignment) or frequency.index in viscosities:
         return table
-    if isinstance(assign(table, "storage", options), RoleAssignment):
+    if isinstance(assign_role(table, "storage", options), RoleAssignment):
         return table
     moduli = {modulus for modulus, _ in viscosities.values()}
-    angles = [assign(table, role, options) for role in ("loss_factor", "loss_angle", "phase")]
+    angles = [assign_role(table, role, options) for role in ("loss_factor", "loss_angle", "phase")]
     if moduli == {"|G*|"} and not any(isinstance(angle, RoleAssignment) for angle in angles):
         return table
     frequency_index = frequency.index
     try:
-        hertz = unit_for(table.columns[frequency_index], frequency_index + 1, "frequency", options)
+        hertz = get_unit(table.columns[frequency_index], frequency_index + 1, "frequency", options)
     except ReadError:
         return table
 

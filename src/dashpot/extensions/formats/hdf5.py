@@ -25,7 +25,7 @@ from dashpot.extensions.formats.attribute_factors import (
     stated_numbers,
     stated_unit,
 )
-from dashpot.reading.raw_file import RawFile, extra
+from dashpot.reading.raw_file import RawFile, import_extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 from dashpot.reading.table import FileTable
@@ -78,7 +78,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         If there is no such group, or numbers stand in another file (external links and storage,
         virtual datasets).
     """
-    h5py = extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
+    h5py = import_extra("h5py", "h5py", "HDF5 or MAT 7.3 files")
     visitor = _FileFindings()
     with raw.open() as stream, h5py.File(stream, "r") as file:
         group: Any = file
@@ -104,7 +104,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
 
 def _get_group_member(group: Any, key: str) -> Any:
     """Return a member of a group, or None; the targets of soft links are found on their own."""
-    h5py = extra("h5py", "h5py", "HDF5 files")
+    h5py = import_extra("h5py", "h5py", "HDF5 files")
     link = group.get(key, getlink=True) if isinstance(group, h5py.Group) else None
     if isinstance(link, h5py.ExternalLink):
         raise ReadError(f"'{key}' is a link into '{link.filename}': {_OTHER_FILE_REASON}")

@@ -134,7 +134,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         header=tuple(filter(str.strip, lines[: top - 2])),
         notes=notes,
         simulated="simulated" in "\n".join(lines[: top - 2]).casefold(),
-        doubts=questions,
+        questions=questions,
     )
 
 

@@ -20,7 +20,7 @@ from dashpot.reading.columns.header_units import split_unit
 from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
-    assign,
+    assign_role,
     format_column,
     join_words,
 )
@@ -91,7 +91,7 @@ def _refuse_storage_alone(table: FileTable, options: ReadOptions) -> None:
     loss_roles: tuple[Role, ...] = ("loss", "loss_factor", "loss_angle", "phase")
     if any(getattr(options, role, None) for role in loss_roles):
         return
-    frequency, storage = (assign(table, role, options) for role in ("frequency", "storage"))
+    frequency, storage = (assign_role(table, role, options) for role in ("frequency", "storage"))
     if isinstance(frequency, RoleAssignment) and isinstance(storage, RoleAssignment):
         raise ReadError(
             f"holds a storage modulus alone, {format_column(table.columns, storage.index)} over "
@@ -201,7 +201,9 @@ class _SpecimenLoader:
             self.cache["roles"] = ()
             for pair in _PAIRS:
                 try:
-                    answers = [assign(self.table, role, self.options) for role in ("time", *pair)]
+                    answers = [
+                        assign_role(self.table, role, self.options) for role in ("time", *pair)
+                    ]
                 except ReadError:  # a column of another file is named
                     break
                 indexes = [a.index for a in answers if isinstance(a, RoleAssignment)]
@@ -224,7 +226,7 @@ class _SpecimenLoader:
         ][:4]
 
     def _has_pair(self, pair: tuple[Role, Role], roles: Sequence[int]) -> bool:
-        answer = assign(self.table, pair[1], self.options)
+        answer = assign_role(self.table, pair[1], self.options)
         return isinstance(answer, RoleAssignment) and answer.index == roles[-1]
 
     def _note_shared_rows(
@@ -280,7 +282,7 @@ class _SpecimenLoader:
             return replace(
                 loaded_columns,
                 segments=names,
-                doubts=(*loaded_columns.doubts, (None, _make_question(names, message))),
+                questions=(*loaded_columns.questions, (None, _make_question(names, message))),
             )
         fall_indices = np.flatnonzero(np.diff(time) < 0)
         if not 0 < fall_indices.size < _MAX_SPECIMENS or not _begins_anew(
@@ -303,7 +305,8 @@ class _SpecimenLoader:
         if self.options.segment is not None:
             return split_columns
         return replace(
-            split_columns, doubts=(*loaded_columns.doubts, (None, _make_question(names, message)))
+            split_columns,
+            questions=(*loaded_columns.questions, (None, _make_question(names, message))),
         )
 
 
@@ -454,7 +457,7 @@ def _part_by_labels(
         if options.segment is not None
         else (_make_question(names, message, "one is fitted at a time"),)
     )
-    return replace(table, load=loader, doubts=(*table.doubts, *questions))
+    return replace(table, load=loader, questions=(*table.questions, *questions))
 
 
 # Blocks of columns of several specimens.
@@ -530,7 +533,7 @@ def _part_by_columns(
 ) -> FileTable:
     names = list(sets)
     if options.segment is None:
-        answers = [assign(table, role, options) for role in ("force", "stress")]
+        answers = [assign_role(table, role, options) for role in ("force", "stress")]
         if not any(isinstance(answer, Question) and answer.choices for answer in answers):
             return replace(table, load=_SpecimenLoader(table, options))
         labels = [
@@ -546,7 +549,7 @@ def _part_by_columns(
             "tests of several specimens, or channels of several sensors, stand side by side",
         )  # fmt: skip
         # roles are proposed for the first, so that one question is asked
-        return replace(_leave_set(table, sets, names[0]), doubts=(*table.doubts, question))
+        return replace(_leave_set(table, sets, names[0]), questions=(*table.questions, question))
     if options.segment > len(names):
         raise ReadError(
             f"--file-part segment={options.segment}, but the file has {len(names)} sets of columns "

@@ -32,7 +32,7 @@ from dashpot.extensions.formats.attribute_factors import (
 )
 from dashpot.extensions.formats.common_clock import SampledChannel, interpolate_to_slowest
 from dashpot.reading.columns.header_units import split_unit
-from dashpot.reading.raw_file import RawFile, extra
+from dashpot.reading.raw_file import RawFile, import_extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 from dashpot.reading.table import Column, FileTable, make_loader
@@ -83,7 +83,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         If groups hold different channels (name one with ``--file-part sheet``), or channels of one
         group differ in length and have no clock.
     """
-    extra("nptdms", "npTDMS", "TDMS files")
+    import_extra("nptdms", "npTDMS", "TDMS files")
     from dashpot.extensions.formats.tdms_segments import SegmentReader
 
     notes: list[str] = []

@@ -18,7 +18,7 @@ from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.base.units import convert_to_unit
 from dashpot.extensions.formats.common_clock import SampledChannel, interpolate_to_slowest
-from dashpot.reading.raw_file import RawFile, extra
+from dashpot.reading.raw_file import RawFile, import_extra
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import SEGMENT, Column, FileTable, Question, make_loader
 
@@ -59,19 +59,19 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
     ReadError
         If there is no dataset 58 of either type nor one of shapes, or several FRFs and no choice.
     """
-    pyuff = extra("pyuff", "pyuff", "UFF files")
+    pyuff = import_extra("pyuff", "pyuff", "UFF files")
     with warnings.catch_warnings(), _readable_path(raw) as path:
         warnings.simplefilter("ignore")
         results = pyuff.UFF(str(path)).read_sets()
-    sets = _with_windows(results if isinstance(results, list) else [results])
+    sets = _attach_windows(results if isinstance(results, list) else [results])
     units = _dataset(sets, 164)
     curves = [entry for entry in sets if entry.get("type") == 58 and np.size(entry.get("data", ()))]
     if not curves:
-        return _modes(sets, units)
-    notes = _notes(sets, units)
+        return _build_mode_table(sets, units)
+    notes = _list_notes(sets, units)
     frfs = _select_by_type(curves, FRF_)
     if frfs:
-        return _frf(
+        return _build_frf_table(
             frfs, _select_by_type(curves, COHERENCE), units, segment=options.segment, notes=notes
         )
     # a spectrum or the like is shown, and refused where a test is asked for
@@ -96,7 +96,7 @@ def _readable_path(raw: RawFile) -> Iterator[Path]:
         yield path
 
 
-def _with_windows(sets: Sequence[_Set]) -> list[_Set]:
+def _attach_windows(sets: Sequence[_Set]) -> list[_Set]:
     """Return the datasets; each 58 with its 1858 under ``qualifiers``.
 
     An 1858 follows its 58, but in files that begin with one: there it stands before.
@@ -117,7 +117,7 @@ def _direction_sign(*directions: int) -> float:
     return -1.0 if sum(direction < 0 for direction in directions) % 2 else 1.0
 
 
-def _window_lines(
+def _format_window(
     entry: _Set, record: float | None
 ) -> tuple[tuple[str, ...], tuple[Question, ...]]:
     r"""Header lines and questions for the exponential window that dataset 1858 states.
@@ -172,7 +172,7 @@ def _dataset(sets: Sequence[_Set], number: int) -> _Set | None:
     return next((entry for entry in sets if entry.get("type") == number), None)
 
 
-def _notes(sets: Sequence[_Set], units: _Set | None) -> list[str]:
+def _list_notes(sets: Sequence[_Set], units: _Set | None) -> list[str]:
     notes = []
     model = _dataset(sets, 151)
     if model is not None and str(model.get("model_name", "")).strip():
@@ -184,9 +184,9 @@ def _notes(sets: Sequence[_Set], units: _Set | None) -> list[str]:
     return notes
 
 
-def _frf(
+def _build_frf_table(
     frfs: Sequence[_Set],
-    coherent: Sequence[_Set],
+    coherences: Sequence[_Set],
     units: _Set | None,
     *,
     segment: int | None,
@@ -202,19 +202,21 @@ def _frf(
     columns = [Column("frequency", _label(record["abscissa_axis_units_lab"]) or "Hz")]
     values = [np.asarray(record["x"], dtype=float)]
     shown_records = frfs if is_same_grid else [record]
-    for entry, name in zip(shown_records, _points(shown_records), strict=True):
-        unit = _per(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
+    for entry, name in zip(shown_records, _name_points(shown_records), strict=True):
+        unit = _divide_units(_unit(entry, "ordinate", units), _unit(entry, "orddenom", units))
         value = np.asarray(entry["data"], dtype=complex)
         value = value * _direction_sign(*_directions(entry))
         columns += [Column(f"real{name}", unit), Column(f"imaginary{name}", unit)]
         values += [value.real, value.imag]
-        coherence = _coherence_of(entry, coherent)
+        coherence = _coherence_of(entry, coherences)
         if coherence is not None:
             columns.append(Column(f"coherence{name}", "1"))
             values.append(np.real(coherence["data"]))
-    notes = [*notes, *_turned_notes(shown_records)]
-    lines, questions = _window_lines(record, _record_length(record))
-    return _stating(_table(columns, values, record, notes, (*file_questions, *questions)), lines)
+    notes = [*notes, *_describe_sign_changes(shown_records)]
+    lines, questions = _format_window(record, _record_length(record))
+    return _add_header_lines(
+        _build_table(columns, values, record, notes, (*file_questions, *questions)), lines
+    )
 
 
 def _require_complex_values(frfs: Sequence[_Set]) -> None:
@@ -238,10 +240,10 @@ def _directions(entry: _Set) -> tuple[int, int]:
     return int(entry.get("rsp_dir") or 0), int(entry.get("ref_dir") or 0)
 
 
-def _turned_notes(records: Sequence[_Set]) -> list[str]:
+def _describe_sign_changes(records: Sequence[_Set]) -> list[str]:
     """Return a note on curves whose sign was changed to the positive axis direction."""
     reversed_texts = [
-        f"{_title(entry)} ({_ends(entry)[0] or '?'} over {_ends(entry)[1] or '?'})"
+        f"{_title(entry)} ({_get_points(entry)[0] or '?'} over {_get_points(entry)[1] or '?'})"
         for entry in records
         if _direction_sign(*_directions(entry)) < 0
     ]
@@ -262,37 +264,37 @@ def _make_frf_question(frfs: Sequence[_Set]) -> tuple[Question, ...]:
     return (Question(message, SEGMENT),)
 
 
-def _coherence_of(frf: _Set, coherent: Sequence[_Set]) -> _Set | None:
+def _coherence_of(frf: _Set, coherences: Sequence[_Set]) -> _Set | None:
     """Return the coherence of the same two points on the same lines; or the only one there is."""
-    entries_on_grid = [e for e in coherent if np.array_equal(e["x"], frf["x"])]
-    items = [e for e in entries_on_grid if _ends(e) == _ends(frf)]
+    entries_on_grid = [e for e in coherences if np.array_equal(e["x"], frf["x"])]
+    items = [e for e in entries_on_grid if _get_points(e) == _get_points(frf)]
     return (
         items[0] if len(items) == 1 else entries_on_grid[0] if len(entries_on_grid) == 1 else None
     )
 
 
-def _ends(entry: _Set) -> tuple[str, str]:
+def _get_points(entry: _Set) -> tuple[str, str]:
     """Return response and reference point, such as 3+Z and 1+Z; "" if a file gives none."""
-    return _end(entry, "rsp"), _end(entry, "ref")
+    return _get_point(entry, "rsp"), _get_point(entry, "ref")
 
 
-def _end(entry: _Set, end: str) -> str:
+def _get_point(entry: _Set, end: str) -> str:
     node, direction = int(entry.get(f"{end}_node") or 0), int(entry.get(f"{end}_dir") or 0)
     axis = _AXES[abs(direction)] if abs(direction) < len(_AXES) else ""
     return f"{node}{'-' if direction < 0 else '+'}{axis}" if axis else str(node) if node else ""
 
 
-def _points(frfs: Sequence[_Set]) -> list[str]:
+def _name_points(frfs: Sequence[_Set]) -> list[str]:
     """Return the point names of the columns of each FRF; "" for a single FRF."""
     if len(frfs) == 1:
         return [""]
     # values are along the axes: a direction against one was turned
-    names = ["/".join(end.replace("-", "+") for end in filter(None, _ends(e))) for e in frfs]
+    names = ["/".join(end.replace("-", "+") for end in filter(None, _get_points(e))) for e in frfs]
     single = len(set(names)) == len(names) and all(names)
     return [f" {name}" if single else f" {i + 1}" for i, name in enumerate(names)]
 
 
-def _per(numerator: str | None, denominator: str | None) -> str | None:
+def _divide_units(numerator: str | None, denominator: str | None) -> str | None:
     """Return the unit of a ratio, unless the upper label holds the lower one already."""
     if not numerator or not denominator or f"/{denominator}" in numerator or "(1/" in numerator:
         return numerator
@@ -306,7 +308,12 @@ def _repeated_records(time_records: Sequence[_Set]) -> list[list[_Set]]:
     record after record or channel after channel; else all are channels of one record.
     """
     keys = [
-        (_title(e), *_ends(e), str(e.get("rsp_ent_name")), _label(e["ordinate_axis_units_lab"]))
+        (
+            _title(e),
+            *_get_points(e),
+            str(e.get("rsp_ent_name")),
+            _label(e["ordinate_axis_units_lab"]),
+        )
         for e in time_records
     ]
     width = keys.index(keys[0], 1) if keys[0] in keys[1:] else len(keys)
@@ -340,8 +347,8 @@ def _build_time_table(
     values = [table.load(range(len(table.columns))).values for table in tables]
     starts = np.cumsum([0, *map(len, values[:-1])]).tolist()
     load = make_loader(np.concatenate(values), tuple(starts))
-    questions = tuple(dict.fromkeys(question for table in tables for question in table.doubts))
-    return replace(tables[0], load=load, doubts=questions)
+    questions = tuple(dict.fromkeys(question for table in tables for question in table.questions))
+    return replace(tables[0], load=load, questions=questions)
 
 
 def _build_record_table(
@@ -369,12 +376,15 @@ def _build_record_table(
         data = np.real(np.asarray(entry["data"])).astype(float)
         values.append(sign * resampled.get(i, data))
         if sign < 0:
-            notes = [*notes, f"'{name}': sign turned by its direction field, {_ends(entry)[0]}"]
+            notes = [
+                *notes,
+                f"'{name}': sign turned by its direction field, {_get_points(entry)[0]}",
+            ]
     windowed = next((entry for entry in time_records if entry.get("qualifiers")), first)
-    lines, questions = _window_lines(windowed, _record_length(windowed))
-    # what it leaves open the record itself may show
-    open_ = ["exponential window"] * bool(questions)
-    return _stating(_table(columns, values, first, notes), [*lines, *open_])
+    lines, questions = _format_window(windowed, _record_length(windowed))
+    # the record itself may show a window that the header does not settle
+    unresolved = ["exponential window"] * bool(questions)
+    return _add_header_lines(_build_table(columns, values, first, notes), [*lines, *unresolved])
 
 
 def _resample_records(
@@ -414,7 +424,7 @@ def _resample_records(
     return rows[:, 0], dict(enumerate(rows[:, 1:].T)), notes
 
 
-def _table(
+def _build_table(
     columns: Sequence[Column],
     values: Sequence[FloatArray],
     entry: _Set,
@@ -424,7 +434,7 @@ def _table(
     comments = tuple(f"# {entry[key]}" for key in ("id1", "id2", "id3", "id4", "id5"))
     return FileTable(
         format="UFF 58",
-        doubts=questions,
+        questions=questions,
         columns=tuple(columns),
         load=make_loader(np.column_stack(values)),
         notes=tuple(notes),
@@ -433,21 +443,21 @@ def _table(
     )
 
 
-def _stating(table: FileTable, lines: Sequence[str]) -> FileTable:
+def _add_header_lines(table: FileTable, lines: Sequence[str]) -> FileTable:
     """Return the table with more lines in its header."""
     return replace(table, header=(*table.header, *(f"# {line}" for line in lines)))
 
 
-def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:
+def _build_mode_table(sets: Sequence[_Set], units: _Set | None) -> FileTable:
     """A row for each node of each mode: places in m, and modal masses in kg, by dataset 164."""
-    shapes = _shapes(sets)
+    shapes = _select_mode_shapes(sets)
     length, force = (1.0 if units is None else float(units[key]) for key in ("length", "force"))
-    node_positions = _places(sets, length)
+    node_positions = _get_node_positions(sets, length)
     # a mass unit is that of force, times s^2, over that of length
     rows = [
         row
         for number, entry in enumerate(shapes, start=1)
-        for row in _mode(number, entry, node_positions, mass_unit=force / length)
+        for row in _iterate_mode_rows(number, entry, node_positions, mass_unit=force / length)
     ]
     has_units = units is not None
     words = [
@@ -461,11 +471,11 @@ def _modes(sets: Sequence[_Set], units: _Set | None) -> FileTable:
     names = ("mode", "frequency", "damping ratio", "modal mass", "x", "y", "z", "ux", "uy", "uz")
     columns = [Column(name, word) for name, word in zip(names, words, strict=True)]
     values = list(np.array(rows, dtype=float).T)
-    mode_table = _table(columns, values, shapes[0], _notes(sets, units))
+    mode_table = _build_table(columns, values, shapes[0], _list_notes(sets, units))
     return replace(mode_table, format="UFF 55")
 
 
-def _shapes(sets: Sequence[_Set]) -> list[_Set]:
+def _select_mode_shapes(sets: Sequence[_Set]) -> list[_Set]:
     shapes = [e for e in sets if e.get("type") == 55 and e.get("analysis_type") == _NORMAL]
     if not shapes:
         kinds = ", ".join(map(str, sorted({int(entry.get("type", 0)) for entry in sets})))
@@ -476,7 +486,7 @@ def _shapes(sets: Sequence[_Set]) -> list[_Set]:
     return shapes
 
 
-def _places(sets: Sequence[_Set], unit: float) -> dict[int, list[float]]:
+def _get_node_positions(sets: Sequence[_Set], unit: float) -> dict[int, list[float]]:
     """x, y and z of each node, m; 1 m is `unit` of the file's."""
     return {
         int(node): [value / unit for value in coordinates]
@@ -490,7 +500,7 @@ def _iterate_nodes(entry: _Set, *names: str) -> Iterator[tuple[Any, ...]]:
     return zip(*(entry[key] for key in ("node_nums", *names)), strict=True)
 
 
-def _mode(
+def _iterate_mode_rows(
     number: int, entry: _Set, node_positions: Mapping[int, list[float]], *, mass_unit: float
 ) -> Iterator[list[float]]:
     """The rows of one mode."""

@@ -64,7 +64,7 @@ def read(raw: RawFile, options: ReadOptions) -> FileTable:
         question = Question(
             message, "--file-part sheet=NAME", choices=len(likely_sheets), answers=answers
         )
-        table = replace(table, doubts=(question, *table.doubts))
+        table = replace(table, questions=(question, *table.questions))
     return table
 
 

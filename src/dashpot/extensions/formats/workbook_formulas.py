@@ -19,7 +19,7 @@ _LONGEST_ROW = 1 << 22
 _MAX_FORMULAS = 200_000
 """Formulas of a sheet that are looked at."""
 _RESULT_TOLERANCE = 1e-6
-"""Relative difference between a formula's result and the one that is kept."""
+"""Relative difference between a formula's result and the stored one."""
 _CELL = re.compile(
     rb"<c\b([^<>]{0,300}?)>(?:<f\b([^<>]{0,300}?)(?:/>|>([^<]{0,2000})</f>))?"
     rb"(?:<v(?:/>|>([^<]{0,400})</v>))?"
@@ -71,7 +71,7 @@ class _SheetFormulas:
         self._count = 0
 
     def scan(self, rows: Iterator[bytes]) -> list[str]:
-        """Return a note on each kind of cell that holds no sure number, over all rows."""
+        """Return a note on each kind of cell that may hold a wrong number, over all rows."""
         has_formula = False
         for row in rows:
             has_formula = has_formula or b"<f" in row
@@ -85,8 +85,8 @@ class _SheetFormulas:
             )
         if self._stale_cells:
             notes.append(
-                f"{_describe_cells(self._stale_cells)} whose kept result is not that of the cells "
-                "beside it: calculate the workbook anew and save it"
+                f"{_describe_cells(self._stale_cells)} whose stored result does not follow from "
+                "their cells: recalculate the workbook and save it"
             )
         for error, cells in self._errors.items():
             notes.append(

@@ -14,7 +14,7 @@ from dashpot.base.errors import ReadError
 from dashpot.extensions.formats.hidden_cells import list_hidden_cells
 from dashpot.extensions.formats.unread import refuse_archive
 from dashpot.extensions.formats.workbook_formulas import scan_formulas
-from dashpot.reading.raw_file import RawFile, extra
+from dashpot.reading.raw_file import RawFile, import_extra
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.sandbox import limits
 
@@ -42,14 +42,14 @@ def sheets(raw: RawFile, options: ReadOptions) -> dict[str, bytes]:
     """Return the sheet named, or every sheet, as lines of cells between tabs.
 
     Under :data:`HIDDEN` and the name of a sheet stands what is hidden in it, if anything is; under
-    :data:`FORMULAS` the doubts from its formulas and errors.
+    :data:`FORMULAS` the questions about its formulas and errors.
 
     Raises
     ------
     ReadError
         If there is no such sheet, or the cells are more than a test needs.
     """
-    calamine = extra("python_calamine", "python-calamine", "spreadsheets")
+    calamine = import_extra("python_calamine", "python-calamine", "spreadsheets")
     with raw.open() as stream:
         size = _get_unpacked_size(stream)
         hidden_cells = list_hidden_cells(stream)

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.errors import DataError
 from dashpot.base.version import byline
 from dashpot.datamodel.frf import FRF, Kind
-from dashpot.reading.raw_file import extra
+from dashpot.reading.raw_file import import_extra
 
 _FRF, _COHERENCE = 4, 6
 """Function types of UFF's dataset 58."""
@@ -33,7 +33,7 @@ def frf_uff(frf: FRF, *, title: str = "dashpot FRF") -> bytes:
         raise DataError(
             "UFF 58 is written of a motion and a force; write a transmissibility as text"
         )
-    pyuff = extra("pyuff", "pyuff", "UFF files")
+    pyuff = import_extra("pyuff", "pyuff", "UFF files")
     motion = frf.to(Kind.RECEPTANCE) if frf.quantity is Kind.DYNAMIC_STIFFNESS else frf
     origin = "simulated" if any(source.simulated for source in frf.source) else "NONE"
     number, unit = _NUMERATOR[motion.quantity]

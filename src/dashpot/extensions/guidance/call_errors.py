@@ -25,7 +25,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 _SOLIDS = "dashpot.solids.maxwell"
 _CLASSES_DONE: set[type] = set()
-_MISUSE = (TypeError, ValueError, AttributeError, IndexError)
+_MISUSE = (TypeError, ValueError, AttributeError, LookupError)
 """Exceptions that a wrong argument may cause where a method does not check it."""
 
 
@@ -112,6 +112,23 @@ def _iterate_subclasses(kind: type) -> Iterator[type]:
         yield from _iterate_subclasses(subclass)
 
 
+def refuse_figure_arguments(
+    function: Callable[..., Any],
+    error: Exception,
+    args: tuple[Any, ...],
+    keywords: Mapping[str, Any],
+) -> None:
+    """Refuse wrong arguments of a function of :mod:`dashpot.plot` that caused an error.
+
+    Raises
+    ------
+    DataError
+    """
+    if isinstance(error, _MISUSE) and not isinstance(error, DashpotError):
+        subject = f"dp.plot.{function.__name__}"
+        _refuse_arguments(error, subject, signature(function), args, keywords)
+
+
 def _catch_misuse(method: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(method)
     def call(*args: Any, **keywords: Any) -> Any:
@@ -144,7 +161,7 @@ def _refuse_arguments(
         _refuse_unbound(subject, parameters, args, keywords)
         given_arguments = parameters.bind(*args, **keywords).arguments
         given_arguments.pop("self", None)
-        is_verb = subject.startswith("dp.")
+        is_verb = subject.startswith("dp.") and not subject.startswith("dp.plot.")
         refuse_wrong_types(parameters, given_arguments, DataError, takes_mappings=is_verb)
     except DataError as problem:
         raise problem from error

@@ -19,6 +19,7 @@ EXTENSION = Extension(
         },
         "add advice": {
             "function": "dashpot.extensions.guidance.call_errors:add_advice",
+            "figure": "dashpot.extensions.guidance.call_errors:refuse_figure_arguments",
             "read": "dashpot.extensions.guidance.read_call:add_read_call",
             "inspect": "dashpot.extensions.guidance.read_call:add_read_call",
         },

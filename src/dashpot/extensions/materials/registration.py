@@ -29,7 +29,7 @@ EXTENSION = Extension(
     kinds=(
             KindOfTest(
                 "cld", "dashpot.extensions.materials.cld.read:read_cld", "dashpot.extensions.materials.cld.fit_files:cld_files", fit_route="cld",
-                app_section="judged",
+                app_section="standalone",
                 classes={
                     "dashpot.extensions.materials.cld.datamodel:CLDTest": "",
                     "dashpot.extensions.materials.cld.datamodel:CLD": "dashpot.extensions.materials.cld.figure:cld",
@@ -46,7 +46,7 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "indentation", "dashpot.extensions.materials.indentation.read:read_indentation",
-                "dashpot.extensions.materials.indentation.fit_files:indent_file", fit_route="indentation", app_section="judged",
+                "dashpot.extensions.materials.indentation.fit_files:indent_file", fit_route="indentation", app_section="standalone",
                 classes={
                     "dashpot.extensions.materials.indentation.datamodel:IndentationTest": "",
                     "dashpot.extensions.materials.indentation.datamodel:IndentationFit": "dashpot.extensions.materials.indentation.figure:indentation",
@@ -73,7 +73,7 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "stress-strain", "dashpot.extensions.materials.hyperelastic.read:read_stress_strain",
-                "dashpot.extensions.materials.hyperelastic.fit_files:hyperelastic_files", fit_route="stress-strain", app_section="judged",
+                "dashpot.extensions.materials.hyperelastic.fit_files:hyperelastic_files", fit_route="stress-strain", app_section="standalone",
                 classes={
                     "dashpot.extensions.materials.hyperelastic.datamodel:StressStrainTest": "",
                     "dashpot.extensions.materials.hyperelastic.datamodel:HyperelasticFit": "dashpot.extensions.materials.hyperelastic.figure:hyperelastic",
@@ -86,7 +86,7 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "csr", "dashpot.extensions.materials.csr.read:read_csr", "dashpot.extensions.materials.csr.fit_files:csr_files", fit_route="csr",
-                app_section="judged",
+                app_section="standalone",
                 classes={
                     "dashpot.extensions.materials.csr.datamodel:CSRTest": "",
                     "dashpot.extensions.materials.csr.aging_plan:AgingPlan": "",
@@ -111,7 +111,7 @@ EXTENSION = Extension(
         ),
             KindOfTest(
                 "drop", "dashpot.extensions.materials.drop.read:read_drop_test", "dashpot.extensions.materials.drop.fit_files:fit_drop_files", fit_route="drop",
-                app_section="judged",
+                app_section="standalone",
                 classes={
                     "dashpot.extensions.materials.drop.datamodel:DropTest": "",
                     "dashpot.extensions.materials.drop.datamodel:DropFit": "dashpot.extensions.materials.drop.figure:draw_drop_fit",

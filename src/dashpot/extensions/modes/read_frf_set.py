@@ -79,12 +79,14 @@ def _read_points(path: str | Path, options: ReadOptions | None) -> Iterator[tupl
     with channels.open_file(path, options, refuse_questions=False) as file:
         groups = _group_columns(file)
         if len(groups) > 1:
-            other = [question for question in file.table.doubts if question.option != SEGMENT]
+            other = [question for question in file.table.questions if question.option != SEGMENT]
             if other:
                 raise ReadError(other[0].message)
             # an option that names columns or a part has left one group
             kinds: list[FileKind] = ["frf", "transmissibility"]
-            channels.expect(file, kinds, "an FRF is", stated_columns=["real", "magnitude"])
+            channels.refuse_other_kinds(
+                file, kinds, "an FRF is", stated_columns=["real", "magnitude"]
+            )
             for name, columns in groups:
                 yield name, _build_subset_frf(file, columns)
             return
@@ -157,7 +159,7 @@ def _select_columns(file: OpenedFile, role_by_column: dict[int, str]) -> OpenedF
     indexes = list(role_by_column)
     columns = [replace(file.table.columns[i], name=role_by_column[i]) for i in indexes]
     table = replace(
-        file.table, columns=tuple(columns), doubts=(),
+        file.table, columns=tuple(columns), questions=(),
         load=lambda requested: file.table.load([indexes[i] for i in requested]),
     )  # fmt: skip
     return replace(file, table=table)

@@ -79,7 +79,7 @@ def _read_test(path: str | Path, options: ReadOptions) -> ShakenTest:
             if not np.ptp(first) > 0:
                 raise ReadError("the time stands still; give the rate, for example --rate 512Hz")
             rate = (len(first) - 1) / float(first[-1] - first[0])
-        source = channels.source(file, [c.message for c in channels_chosen], notes)
+        source = channels.make_source(file, [c.message for c in channels_chosen], notes)
         return ShakenTest(rate, base, mass, starts, (source,), _ORDERS[channels_chosen[-1].role])
 
 

@@ -40,8 +40,8 @@ def modes(modes: MeasuredModes) -> Text:
     band_frf = modes.frf.band(*modes.band)
     points_text = f" at each of {len(modes.points)} points" if modes.points else ""
     band_text = (
-        f"  {len(band_frf.frequency)} lines, {hertz(modes.band)}, of the {modes.frf.quantity}"
-        f"{points_text}"
+        f"  {len(band_frf.frequency)} frequency lines, {hertz(modes.band)}, of the "
+        f"{modes.frf.quantity.label}{points_text}"
     )
     unit = ["  residues and masses are those of 1 kg on the base"] if over_base else []
     lines = [*(table(rows) if modes.modes else ()), band_text, *unit]

@@ -119,17 +119,21 @@ def exponential_sum(
     name = "constant" if constant else None
     block = build_hold_block(abscissa - origin, values, k_inf=name, weights=root)
     solution = solve([block], terms, signed=signed)
-    proof = None if signed else certificate([block], solution)
-    rates, local = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
+    optimality = None if signed else certificate([block], solution)
+    rates, shifted_amplitudes = np.exp(-solution.log_tau)[::-1], solution.arms[0][::-1]
     rescaling = np.exp(rates * origin)
-    rows = _compute_sensitivity(abscissa - origin, rates, local, root, constant=constant)
+    rows = _compute_sensitivity(
+        abscissa - origin, rates, shifted_amplitudes, root, constant=constant
+    )
     n = len(rates)
     # a = A e^{r origin}, so da = e^{r origin} (dA + A origin dr)
-    rows[:n] = rescaling[:, None] * (rows[:n] + local[:, None] * origin * rows[n : 2 * n])
+    rows[:n] = rescaling[:, None] * (
+        rows[:n] + shifted_amplitudes[:, None] * origin * rows[n : 2 * n]
+    )
     dof = max(len(abscissa) - len(rows), 1)
     standard_errors = np.linalg.norm(rows, axis=1) * np.sqrt(solution.sse / dof)
     return ExponentialSum(
-        amplitudes=local * rescaling,
+        amplitudes=shifted_amplitudes * rescaling,
         rates=rates,
         constant=solution.coefficient("constant") if constant else 0.0,
         sse=solution.sse,
@@ -137,7 +141,7 @@ def exponential_sum(
         rate_errors=standard_errors[n : 2 * n],
         constant_error=float(standard_errors[-1]) if constant else 0.0,
         converged=solution.converged,
-        certificate=proof,
+        certificate=optimality,
     )
 
 

@@ -8,7 +8,7 @@ from dashpot.base import units
 from dashpot.base.errors import ReadError
 from dashpot.extensions.plugins.datamodel import PluggedColumn, PluggedTest
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
-from dashpot.reading.columns.role_assignment import assign
+from dashpot.reading.columns.role_assignment import assign_role
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -45,7 +45,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
                     all_columns[index].label(index + 1),
                     role or "",
                     "" if unit is None else units.si_unit(unit.dimension).word,
-                    values if unit is None else channels.si(values, unit),
+                    values if unit is None else channels.scale_to_si(values, unit),
                 )
             )
         notes = [*opened_file.table.notes, *loaded_columns.notes]
@@ -55,7 +55,7 @@ def read_plugged(path: str | Path, *, options: ReadOptions | None = None) -> Plu
         return PluggedTest(
             opened_file.options.kind or "",
             tuple(columns),
-            channels.source(opened_file, sentences, notes),
+            channels.make_source(opened_file, sentences, notes),
         )
 
 
@@ -63,7 +63,7 @@ def _find_role_columns(file: OpenedFile) -> dict[int, Role]:
     """Return the columns that surely play a role, by index; the likelier role comes first."""
     entries: dict[int, Role] = {}
     for role in KINDS_OF_FILE["plug-in"].roles:
-        answer = assign(file.table, role, file.options)
+        answer = assign_role(file.table, role, file.options)
         if not isinstance(answer, Question):
             entries.setdefault(answer.index, role)
     return entries

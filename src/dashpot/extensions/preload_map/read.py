@@ -151,7 +151,7 @@ def _read_table(file: channels.OpenedFile, stated_settings: Sequence[str] = ()) 
         values["storage"] + 1j * values["loss"],
         compression,
         amplitude,
-        channels.source(
+        channels.make_source(
             file,
             [
                 *(channel.message for channel in channels_chosen),
@@ -187,7 +187,7 @@ def _load_length(
     if not np.isfinite(numbers).all():
         raise ReadError(f"'{column.name}' has no number in some rows of the sweeps")
     message = f"{words[0]}: {column.name} [{unit.word}]"
-    return _LengthColumn(index, np.asarray(channels.si(numbers, unit)), message)
+    return _LengthColumn(index, np.asarray(channels.scale_to_si(numbers, unit)), message)
 
 
 def _require_units(file: channels.OpenedFile, roles_wanted: Sequence[RoleAssignment]) -> None:
@@ -363,7 +363,9 @@ def _load_file(
     recognised_file = recognise(path, None if options is None else options.for_file(path))
     if recognised_file.kind in {KIND, *SWEEP_KINDS}:
         with channels.open_file(path, options) as file:
-            channels.expect(file, [KIND, *SWEEP_KINDS], "a sweep is", stated_columns=SWEEP_OPTIONS)
+            channels.refuse_other_kinds(
+                file, [KIND, *SWEEP_KINDS], "a sweep is", stated_columns=SWEEP_OPTIONS
+            )
             return _read_table(file, stated_settings)
     if recognised_file.kind == "frf":
         with add_name_to_errors(Path(path).name):

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray
+from dashpot.base.arrays import ComplexArray, to_complex
 from dashpot.base.errors import DataError
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
 from dashpot.solids.rate_independent import AmplitudeDependent
@@ -53,7 +53,7 @@ class Linearised(Solid):
 
     def stiffness_at(self, s: npt.ArrayLike) -> ComplexArray:
         """Return stiffness on the Laplace plane, N/m, `s` in 1/s; the part's is that of Im s."""
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         extra = self.rate_independent.equivalent(np.abs(s.imag), self.amplitude)
         loss = np.where(s.imag < 0, extra.conj(), extra)
         return np.asarray(self.solid.stiffness_at(s) + loss)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass, replace
-from dashpot.base.arrays import ComplexArray, FloatArray, validate_samples
+from dashpot.base.arrays import ComplexArray, FloatArray, to_complex, validate_samples
 from dashpot.base.errors import DataError
 from dashpot.base.units import Quantity, convert_to_si
 from dashpot.base.value_ranges import require_positive
@@ -358,7 +358,7 @@ class System:
 
     def dynamic_stiffness(self, s: npt.ArrayLike) -> ComplexArray:
         r""":math:`s^2 M + E^T K(s) E`, shape (..., n, n)."""
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         K = self.spring_stiffness(s)
         E = self.stretch
         return np.asarray(s[..., None, None] ** 2 * self.mass_matrix + (E.T * K[..., None, :]) @ E)
@@ -443,7 +443,7 @@ class System:
     def _evaluate_springs(
         self, s: npt.ArrayLike, function: Callable[[Solid, ComplexArray], ComplexArray]
     ) -> ComplexArray:
-        s = np.asarray(s, dtype=complex)
+        s = to_complex(s)
         entries: dict[Solid, ComplexArray] = {}  # a line of seal is one solid many times
         solids = [spring.linearised_solid for spring in self.springs]
         for solid in solids:

@@ -9,7 +9,7 @@ from dashpot.base import dataclass, units
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import DataError, ReadError
 from dashpot.base.provenance import Source
-from dashpot.reading.columns.role_assignment import assign, list_columns
+from dashpot.reading.columns.role_assignment import assign_role, list_columns
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
 
@@ -50,7 +50,9 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
     if matched_text and not Path(text).is_file():
         return BasePSD(float(matched_text[1]) * _get_unit_factor(matched_text[2], f"'{text}'"))
     with channels.open_file(text, options) as file:
-        (lines,) = channels.answered(file, [assign(file.table, "frequency", file.options)])
+        (lines,) = channels.require_answers(
+            file, [assign_role(file.table, "frequency", file.options)]
+        )
         other_columns = [
             i
             for i, column in enumerate(file.table.columns)
@@ -75,7 +77,7 @@ def read_psd(text: str | Path, *, options: ReadOptions | None = None) -> BasePSD
         return BasePSD(
             rows[:, 1] * factor,
             rows[:, 0] * hertz.factor,
-            (channels.source(file, names, (*file.table.notes, *notes)),),
+            (channels.make_source(file, names, (*file.table.notes, *notes)),),
         )
 
 

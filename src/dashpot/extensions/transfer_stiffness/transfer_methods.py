@@ -361,7 +361,7 @@ def _interpolate_response(response: FRF, frequency: FloatArray) -> ComplexArray:
     """Return the motion of the output over that of the input at these frequencies."""
     if not response.quantity.over_base:
         raise DataError(
-            f"the response of the output is a {response.quantity.value}; expected a "
+            f"the response of the output is a {response.quantity.label}; expected a "
             "transmissibility, output over input motion"
         )
     transmissibility = response.to(Kind.TRANSMISSIBILITY)

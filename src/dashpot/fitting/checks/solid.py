@@ -13,8 +13,8 @@ from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR, BandError
 from dashpot.numerics.inference.model_order import (
     MAX_SE_LN_TAU,
     MIN_K_OVER_SE,
+    ArmShortage,
     OrderChoice,
-    Shortage,
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -94,7 +94,7 @@ def arms_supported(
     n = model.arms
     group = list(zip(model.k, model.tau, error[1 : 1 + n], error[1 + n : 1 + 2 * n], strict=True))
     weak_arms = " and ".join(
-        f"arm {j} (k = {amount(k, unit)}, tau = {tau:.3g} s)"
+        f"arm {j} (k = {format_amount(k, unit)}, tau = {tau:.3g} s)"
         for j, (k, tau, sk, st) in enumerate(group, start=1)
         if not (k > MIN_K_OVER_SE * sk and st < MAX_SE_LN_TAU)
     )
@@ -213,7 +213,7 @@ def order_agreed(choice: OrderChoice) -> Finding:
 
 
 @criterion("arms that the data support", "<=", source="the requested number; BIC and significance")
-def arms_enough(arm_shortage: Shortage | None, arms: int, *, unit: str) -> Finding:
+def arms_enough(arm_shortage: ArmShortage | None, arms: int, *, unit: str) -> Finding:
     """The requested number of arms is enough: the data support no further one.
 
     `unit` is that of the residual.
@@ -290,7 +290,7 @@ def loss_factor_determined(band_error: BandError | None) -> Finding:
     )
 
 
-def amount(value: float, unit: str) -> str:
+def format_amount(value: float, unit: str) -> str:
     """Return a stiffness as people read it: N/mm of a part, MPa of a material."""
     return format_quantity(value, get_display_unit(unit), ".3g")
 

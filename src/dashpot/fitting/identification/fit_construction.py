@@ -52,7 +52,7 @@ from dashpot.numerics.least_squares import stack_real_rows
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import Solid
 
-# Arms or a fractional element, where a hammer has a say: which to take, and what the other is.
+# Arms or a fractional element, with a hammer test: which family is selected, and the alternative.
 #
 # The rule is that of tests alone (:mod:`dashpot.fitting.fractional_model.family_selection`): arms
 # keep their place unless BIC falls by more than 10, and what chance does not distinguish from the
@@ -98,7 +98,7 @@ class AlternativeCandidate(NamedTuple):
         )  # fmt: skip
 
 
-def select_family_rival(
+def select_family_candidate(
     arms: Candidate, candidates: Sequence[Candidate], candidate: Candidate, family: str
 ) -> AlternativeCandidate:
     """Return the family requested, or with ``"auto"`` the one that BIC prefers, and the other.
@@ -118,16 +118,16 @@ def select_family_rival(
     best, contenders = (
         (candidate, arm_candidates) if family == "fractional" or is_better else (arms, [candidate])
     )
-    explain = [other for other in contenders if _explains(other, best)]
+    explain = [other for other in contenders if _is_equally_good(other, best)]
     return AlternativeCandidate(best, (explain or contenders)[0], bool(explain))
 
 
 def reselect_family(
-    family_rival: AlternativeCandidate, refit_freed: Callable[[Candidate], Candidate]
+    family_candidate: AlternativeCandidate, refit_freed: Callable[[Candidate], Candidate]
 ) -> AlternativeCandidate:
     """Return the same two fits with the contradicted quantity free: a wrong mass misleads."""
-    best, other = refit_freed(family_rival.best), refit_freed(family_rival.other)
-    return AlternativeCandidate(best, other, _explains(other, best))
+    best, other = refit_freed(family_candidate.best), refit_freed(family_candidate.other)
+    return AlternativeCandidate(best, other, _is_equally_good(other, best))
 
 
 def is_at_bound(candidate: Candidate) -> bool:
@@ -137,7 +137,7 @@ def is_at_bound(candidate: Candidate) -> bool:
     return is_at_edge(problem.parametrisation, numbers, problem.log_tau_range)
 
 
-def family_checks(
+def run_family_checks(
     best: Candidate, alternative: AlternativeCandidate | None, rival: Alternative | None
 ) -> list[Check]:
     """Ask of an element whether it is known and explains the tests, of either for the other."""
@@ -160,7 +160,7 @@ def _compute_misfits(candidate: Candidate) -> np.ndarray:
     return np.array([candidate.line_misfit, *candidate.relaxation_chi2])
 
 
-def _explains(rival: Candidate, best: Candidate) -> bool:
+def _is_equally_good(rival: Candidate, best: Candidate) -> bool:
     extra_parameters = len(best.theta) - len(rival.theta)
     bic_difference = rival.bic - best.bic
     deviance_fall = bic_difference + extra_parameters * float(np.log(best.samples))
@@ -171,7 +171,7 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 
 # What the rig of a hammer may add to a response that no channel shows.
 #
-# Each doubt is a stiffness :math:`\delta K(s)` beside the n seals, of which the accelerance
+# Each effect is a stiffness :math:`\delta K(s)` beside the n seals, of which the accelerance
 # follows
 #
 # .. math:: \delta A = -\frac{A^2}{s^2}\,\delta K
@@ -186,7 +186,7 @@ def _explains(rival: Candidate, best: Candidate) -> bool:
 # relaxation tests the root mean square of what both leave of it. A window whose decay a has the
 # error :math:`\sigma_a` adds :math:`\sigma_a\,\partial A/\partial a`.
 #
-# A fit is of the quiet rig; its parameters follow a doubt c by :math:`\delta\theta = C J' c`.
+# A fit is of the quiet rig; its parameters follow an effect c by :math:`\delta\theta = C J' c`.
 
 
 # Step of the finite difference by the decay rate of a window, in its standard errors.
@@ -194,18 +194,18 @@ _DECAY_STEP = 1e-3
 
 
 def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArray:
-    """Return by how much the flat parameter vector follows each doubt, shape (p, d).
+    """Return by how much the flat parameter vector follows each effect, shape (p, d).
 
     Parameters
     ----------
     best : Candidate
         The optimum.
     rig : HammerRig
-        With what its user says of the cables.
+        With what is stated of its cables.
     """
     problem = best.problem
     rows = (
-        stack_real_rows(_compute_rig_doubts(best, rig) / problem.frf_data.sd[:, None])
+        stack_real_rows(_compute_rig_effects(best, rig) / problem.frf_data.sd[:, None])
         / problem.scale
     )
     row_count = sum(len(rows) for rows in best.model_prediction.tests)
@@ -221,8 +221,8 @@ def compute_hammer_rig_sensitivity(best: Candidate, rig: HammerRig) -> FloatArra
     return sensitivity
 
 
-def _compute_rig_doubts(best: Candidate, rig: HammerRig) -> ComplexArray:
-    """Return what each doubt adds to the predicted lines, one standard deviation a column."""
+def _compute_rig_effects(best: Candidate, rig: HammerRig) -> ComplexArray:
+    """Return what each effect adds to the predicted lines, one standard deviation a column."""
     data, point = best.problem.frf_data, best.point
     response = data.response(point.seal_under_hammer, point.mass)
     s, accelerance = response.s, response.accelerance
@@ -274,7 +274,7 @@ def build_identified_fit(
     request: int | str,
     requested_arms: int,
     discrepancy: Discrepancy | None,
-    family_rival: AlternativeCandidate | None,
+    family_candidate: AlternativeCandidate | None,
     dashpot: tuple[Check, ...],
     rig: HammerRig,
 ) -> Fit:
@@ -293,7 +293,7 @@ def build_identified_fit(
         )
     residual, samples = _compute_residual(best)
     band = compute_data_band(best, earlier_fit)
-    alternative = None if family_rival is None else family_rival.alternative(band)
+    alternative = None if family_candidate is None else family_candidate.alternative(band)
     estimate = ParameterEstimate(
         names,
         physical,
@@ -307,14 +307,14 @@ def build_identified_fit(
         errors = estimate.errors_of_vibration(point.model.maxwell, in_band)
     all_checks = (
         *_run_checks(best, covariance, earlier_fit, discrepancy, errors),
-        *family_checks(best, family_rival, alternative),
+        *run_family_checks(best, family_candidate, alternative),
         *dashpot,
     )
-    of_noise, estimate = estimate, estimate.with_rig(rig_sensitivity)
-    band, known_there = _find_loss_factor_band(best, band, of_noise, estimate)
+    noise_estimate, estimate = estimate, estimate.with_rig(rig_sensitivity)
+    band, band_error = _find_loss_factor_band(best, band, noise_estimate, estimate)
     high_pass = rig.high_pass_sd if best.problem.is_hammer_alone else 0.0
     cables = checks.cables_described(
-        known_there, best.problem.frf_data.peak_hz, rig.cable_sd, high_pass
+        band_error, best.problem.frf_data.peak_hz, rig.cable_sd, high_pass
     )
     all_checks = (*all_checks, cables)
     end_of_hold = compute_end_of_data(best, earlier_fit, estimate)
@@ -328,7 +328,7 @@ def build_identified_fit(
         ),
         Evidence(
             band,
-            orders=tuple(_score(candidate) for candidate in orders),
+            orders=tuple(_make_order_score(candidate) for candidate in orders),
             checks=all_checks,
             parameter_changes=()
             if fit is None
@@ -336,16 +336,16 @@ def build_identified_fit(
             explanations=() if discrepancy is None else discrepancy.explanations,
             alternative=alternative,
             end_of_hold=end_of_hold,
-            band_error=known_there,
+            band_error=band_error,
         ),
         Provenance(
             "joint" if tests or earlier_fit is not None else "frf",
             (*frf.source, *list_sources(tests)),
             (*frf.steps, *list_steps(tests), _make_step(best)),
-            _specimen(tests, earlier_fit),
+            _select_specimen(tests, earlier_fit),
         ),
         elastic_law=None if law is None else replace(law, stiffness=point.model.k_inf),
-        temperatures=None if earlier_fit is None else _shifts(earlier_fit),
+        temperatures=None if earlier_fit is None else _get_temperature_shifts(earlier_fit),
     )
 
 
@@ -381,13 +381,13 @@ def compute_end_of_data(
     ).widen_to_contain(solid)
 
 
-def _shifts(earlier_fit: Fit) -> TemperatureShifts | None:
+def _get_temperature_shifts(earlier_fit: Fit) -> TemperatureShifts | None:
     """Return how the solid of the relaxation tests moves with temperature; the hammer is of one."""
     shifts = earlier_fit.temperatures
     return None if shifts is None else replace(shifts, cross=shifts.cross[-1:])
 
 
-def _specimen(tests: Sequence[RampHold], earlier_fit: Fit | None) -> Specimen:
+def _select_specimen(tests: Sequence[RampHold], earlier_fit: Fit | None) -> Specimen:
     """Return the piece that the relaxation tests were made on."""
     if earlier_fit is not None and earlier_fit.temperatures is not None:
         return earlier_fit.specimen
@@ -428,9 +428,9 @@ def _compute_rig_sensitivity(
 ) -> FloatArray:
     r"""Return the errors of the solid by the rigs of relaxation and hammer test, shape (p, d).
 
-    It pulls at the solid by J'c, and C J'c is how far the solid follows, C being the covariance of
-    all that was fitted. An earlier fit without its tests pulls by :math:`C_0^{-1}` times what it
-    was moved by.
+    Their gradient is J'c, and C J'c the change of the solid, C being the covariance of
+    all that was fitted. An earlier fit without its tests has as gradient its change
+    times :math:`C_0^{-1}`.
     """
     parameter_count = len(covariance)
     gradients = [
@@ -443,9 +443,11 @@ def _compute_rig_sensitivity(
         gradients[-1][earlier_indices] = np.linalg.solve(
             root @ root.T, _compute_rig_covariance_root(prior, best)
         )
-    of_hammer = _differentiate_physical_parameters(best) @ compute_hammer_rig_sensitivity(best, rig)
+    hammer_gradient = _differentiate_physical_parameters(best) @ compute_hammer_rig_sensitivity(
+        best, rig
+    )
     indices = np.where(np.isfinite(covariance), covariance, 0.0)
-    return np.hstack([*(indices @ gradient for gradient in gradients), of_hammer])
+    return np.hstack([*(indices @ gradient for gradient in gradients), hammer_gradient])
 
 
 def _differentiate_physical_parameters(best: Candidate) -> FloatArray:
@@ -480,7 +482,7 @@ def _compute_residual(best: Candidate) -> tuple[Residual, float]:
     )
 
 
-def _score(candidate: Candidate) -> OrderScore:
+def _make_order_score(candidate: Candidate) -> OrderScore:
     return OrderScore(
         candidate.point.model.maxwell.arms,
         candidate.chi2,
@@ -493,7 +495,7 @@ def _score(candidate: Candidate) -> OrderScore:
 def _find_loss_factor_band(
     best: Candidate,
     band: tuple[float, float],
-    of_noise: ParameterEstimate,
+    noise_estimate: ParameterEstimate,
     estimate: ParameterEstimate,
 ) -> tuple[tuple[float, float], BandError]:
     """Return the part of a band around the peak in which the loss factor is known, and how well.
@@ -519,7 +521,7 @@ def _find_loss_factor_band(
 
         return errors
 
-    full_errors, noise = errors_by(estimate), errors_by(of_noise)
+    full_errors, noise = errors_by(estimate), errors_by(noise_estimate)
     # an error by a covariance costs little: so many lines place the ends to a few per cent
     lines = sorted({*np.geomspace(*band, 8 * LINES_IN_BAND).tolist(), peak})
     errors = full_errors if full_errors(peak)[1] <= MAX_LOSS_FACTOR_ERROR else noise
@@ -589,10 +591,10 @@ def _compare_parameters(
 ) -> tuple[ParameterChange, ...]:
     """Return each parameter before and after; arms are matched by their relaxation times."""
     # as the fit of both weighed it
-    of_noise = earlier_fit.estimate.noise_only.covariance
+    noise_estimate = earlier_fit.estimate.noise_only.covariance
     old_errors, new_errors = (
         dict(zip(rows, np.sqrt(np.diag(matrix)).tolist(), strict=True))
-        for rows, matrix in ((earlier_fit.estimate.parameters, of_noise), (names, covariance))
+        for rows, matrix in ((earlier_fit.estimate.parameters, noise_estimate), (names, covariance))
     )
     # title and unit, then value and row before and after
     if isinstance(solid, FractionalZener):
@@ -690,8 +692,9 @@ def _run_checks(
         arms = best.problem.parametrisation.count
         largest_error = float(max(np.sqrt(np.diag(covariance))[1 : 1 + 2 * arms], default=0.0))
         new_arms = 0 if earlier_fit is None else arms - earlier_fit.model.arms
-        resolved_check = checks.arms_identified(
-            arms, largest_error, unknown=best.unknown, new=new_arms, in_band=in_band
+        all_checks.append(
+            checks.arms_identified(
+                arms, largest_error, unknown=best.unknown, new=new_arms, in_band=in_band
+            )
         )
-        all_checks.append(resolved_check)
     return tuple(all_checks)

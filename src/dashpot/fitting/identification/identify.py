@@ -27,7 +27,7 @@ from dashpot.fitting.identification.fit_construction import (
     AlternativeCandidate,
     build_identified_fit,
     reselect_family,
-    select_family_rival,
+    select_family_candidate,
 )
 from dashpot.fitting.identification.frf_data import MAX_TAU_REACH, select_frf_data
 from dashpot.fitting.identification.likelihood import (
@@ -56,7 +56,7 @@ from dashpot.fitting.input_tests import Tests, ramp_holds, refuse_copies
 from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import iterate_orders
-from dashpot.numerics.inference.model_order import DECISIVE_BIC, Shortage, select_model_order
+from dashpot.numerics.inference.model_order import DECISIVE_BIC, ArmShortage, select_model_order
 from dashpot.registry import call_handler
 from dashpot.solids.fractional import FractionalZener
 from dashpot.solids.maxwell import GeneralizedMaxwell, Solid
@@ -165,7 +165,7 @@ def identify(
     problems = [replace(full_problem, dashpot=dashpot) for dashpot in dashpots]
     numbers = list_arm_counts(arms, prior_tests.arms)
     problems = _extend_reach(problems, max(numbers))
-    best, candidates, family_rival = _select_best(problems, numbers, prior_tests, family)
+    best, candidates, family_candidate = _select_best(problems, numbers, prior_tests, family)
     scale = best.line_scale
     final_optimum = _run_final_descent(replace(best.problem, scale=scale), best.theta)
     earlier_fit = prior_tests.primary_fit
@@ -180,9 +180,9 @@ def identify(
         law=None if earlier_fit is None else earlier_fit.elastic_law,
         compression=None if point is None else point.compression,
     )
-    if discrepancy is not None and family_rival is not None:
-        family_rival = reselect_family(
-            family_rival,
+    if discrepancy is not None and family_candidate is not None:
+        family_candidate = reselect_family(
+            family_candidate,
             lambda candidate: refit_with_free_cause(candidate, discrepancy.explanations[0].name),
         )
     orders = [candidate.copy_with_scale(scale) for candidate in candidates]
@@ -200,7 +200,7 @@ def identify(
         request=arms,
         requested_arms=max(numbers),
         discrepancy=discrepancy,
-        family_rival=family_rival,
+        family_candidate=family_candidate,
         # where two tests disagree, a dashpot only hides it
         dashpot=()
         if discrepancy
@@ -256,8 +256,12 @@ def _select_best(
     best = _select_candidate(candidates)
     if candidate is None:
         return best, candidates, None
-    family_rival = select_family_rival(best, candidates, candidate, family)
-    return family_rival.best, candidates if family_rival.best is best else [], family_rival
+    family_candidate = select_family_candidate(best, candidates, candidate, family)
+    return (
+        family_candidate.best,
+        candidates if family_candidate.best is best else [],
+        family_candidate,
+    )
 
 
 def _fit_fractional(
@@ -446,7 +450,7 @@ def _check_arm_count(
         residuals = (
             float(np.sqrt(candidate.chi2 / samples)) for candidate in (best, supported_candidate)
         )
-        shortage = Shortage(arm_count, supported_count, *residuals)
+        shortage = ArmShortage(arm_count, supported_count, *residuals)
     return (arms_enough(shortage, arm_count, unit="sd"),)
 
 

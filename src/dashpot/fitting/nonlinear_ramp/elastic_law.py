@@ -20,12 +20,12 @@ from dashpot.fitting.nonlinear_ramp.hold_then_ramp import (
     RampHoldOptimum,
     add_residual_statistics,
     build_nuisances,
+    compute_independent_noise,
+    compute_row_sd,
     delay_derivative,
     fit_hold_only,
     fit_ramp_and_hold,
     fit_recorded_hold,
-    independent,
-    spread,
 )
 from dashpot.fitting.nonlinear_ramp.linearity import (
     LinearFitQuality,
@@ -43,7 +43,7 @@ from dashpot.fitting.order_selection import EXTRA_ARMS
 from dashpot.fitting.parameter_errors import ParameterCovariance
 from dashpot.numerics.design_matrices.recorded_motion import compute_arm_columns
 from dashpot.numerics.inference.correlated_noise import estimate_noise
-from dashpot.numerics.inference.model_order import Shortage, bic_of_deviance, deviance
+from dashpot.numerics.inference.model_order import ArmShortage, bic_of_deviance, deviance
 from dashpot.preprocessing.denoising import denoise_displacement
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
@@ -139,7 +139,7 @@ class RampLaw:
         return tuple(
             float(ramp / hold_scatter)
             for ramp, hold_scatter in zip(
-                self.optimum.ramp_scatter, independent(self.hold), strict=True
+                self.optimum.ramp_scatter, compute_independent_noise(self.hold), strict=True
             )
         )
 
@@ -320,7 +320,7 @@ def select_elastic_law(
     return build_ramp_law(tests, hold, linear_qualities, ramp_optimum, scores)
 
 
-def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortage | None:
+def find_arm_shortage(tests: Sequence[RampHold], hold: HoldEstimate) -> ArmShortage | None:
     """Return the arms supported by the holds of some tests, if their fit has fewer.
 
     More than a fit chooses by itself are tried, too.
@@ -336,7 +336,7 @@ def supported_by_holds(tests: Sequence[RampHold], hold: HoldEstimate) -> Shortag
     supported = len(hold_only.log_tau)
     if supported <= arms:
         return None
-    return Shortage(arms, supported, _rms(hold), _rms(hold_only))
+    return ArmShortage(arms, supported, _rms(hold), _rms(hold_only))
 
 
 def _rms(hold: HoldEstimate) -> float:
@@ -451,7 +451,7 @@ def _assess_linear_law(
                 optimum.hold_rms[i],
                 hold.rms[i],
                 noise=noise[i],
-                discrepancy=optimum.ramp_scatter[i] / float(independent(hold)[i]),
+                discrepancy=optimum.ramp_scatter[i] / float(compute_independent_noise(hold)[i]),
                 samples=float(np.sum(rows.ramp & (rows.record == i))) / hold.correlation[i],
                 peak=rows.peak(i),
             )
@@ -470,12 +470,12 @@ def _fit_jointly(
     """Fit the linear law to ramp and hold at equal weight, first without, then with a delay."""
     equal_noise = np.array(noise) * np.sqrt(hold.correlation)
     solid = QuasiLinear(rows, np.array([0.0, rows.depth]))
-    sd = spread(rows, equal_noise, equal_noise)
+    sd = compute_row_sd(rows, equal_noise, equal_noise)
     first_weights = Weighted(solid, sd, build_nuisances(rows))
     best_fit = first_weights.descend(log_tau)
     with_delay = Weighted(
         solid, sd, build_nuisances(rows, delay_derivative(first_weights, best_fit))
     )
     return add_residual_statistics(
-        with_delay, with_delay.descend(best_fit.theta), independent(hold)
+        with_delay, with_delay.descend(best_fit.theta), compute_independent_noise(hold)
     )

@@ -267,23 +267,27 @@ def delay_derivative(weighted: Weighted, best: Optimum) -> FloatArray:
     return values
 
 
-def spread(rows: DownsampledRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
+def compute_row_sd(rows: DownsampledRows, ramp: npt.ArrayLike, hold: npt.ArrayLike) -> FloatArray:
     """Return the standard deviation of each row's samples, N, from those of ramps and holds."""
     return np.where(rows.ramp, np.asarray(ramp)[rows.record], np.asarray(hold)[rows.record])
 
 
-def independent(hold: HoldEstimate) -> FloatArray:
+def compute_independent_noise(hold: HoldEstimate) -> FloatArray:
     """Return the standard deviation of one independent sample of each hold, N."""
     return np.asarray(hold.scatter * np.sqrt(hold.correlation))
 
 
 def fit_recorded_hold(rows: DownsampledRows, hold: HoldEstimate) -> RampHoldOptimum:
     """Fit the hold rows alone, with the recorded history of a linear seal."""
-    effects = spread(rows, np.full(len(rows.depths), np.inf), independent(hold))
+    effects = compute_row_sd(
+        rows, np.full(len(rows.depths), np.inf), compute_independent_noise(hold)
+    )
     weighted = Weighted(
         QuasiLinear(rows, np.array([0.0, rows.depth])), effects, build_nuisances(rows)
     )
-    return add_residual_statistics(weighted, weighted.descend(hold.log_tau), independent(hold))
+    return add_residual_statistics(
+        weighted, weighted.descend(hold.log_tau), compute_independent_noise(hold)
+    )
 
 
 def fit_ramp_and_hold(
@@ -302,10 +306,10 @@ def fit_ramp_and_hold(
     """
     rows = solid.rows
     value = build_nuisances(rows) if value is None else value
-    by_hold = independent(hold)
+    by_hold = compute_independent_noise(hold)
     for _ in range(_MAX_ITERATIONS):
         weighted = Weighted(
-            solid, spread(rows, optimum.ramp_scatter, by_hold), value, separate=separate
+            solid, compute_row_sd(rows, optimum.ramp_scatter, by_hold), value, separate=separate
         )
         previous = optimum
         optimum = add_residual_statistics(weighted, weighted.descend(theta), by_hold)

@@ -71,7 +71,7 @@ class OrderChoice(NamedTuple):
         return self.by_bic == self.by_significance
 
 
-class Shortage(NamedTuple):
+class ArmShortage(NamedTuple):
     """Requested number of arms below the number that the data support.
 
     Attributes

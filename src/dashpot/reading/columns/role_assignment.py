@@ -71,7 +71,7 @@ class RoleAssignment:
     role: Role
     index: int
     reason: str
-    rivals: tuple[int, ...] = ()
+    alternatives: tuple[int, ...] = ()
 
 
 def option_of(role: Role) -> str:
@@ -79,7 +79,7 @@ def option_of(role: Role) -> str:
     return {"complex_modulus": "magnitude", "loss_angle": "phase"}.get(role, role)
 
 
-def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment | Question:
+def assign_role(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment | Question:
     """Return the column of a role, or the question to ask.
 
     Raises
@@ -110,12 +110,12 @@ def assign(table: FileTable, role: Role, options: ReadOptions) -> RoleAssignment
         if len(equals) > _MAX_COPIES or not _same_numbers(table, equals, role, options):
             message = (
                 f"{equals_text} could each be the {_word(role)}; say which, for example "
-                f'{flag(option)}="{handle(table.columns, index, names)}"'
+                f'{flag(option)}="{quote_column(table.columns, index, names)}"'
             )
             return Question(message, f"{flag(option)}=NAME", choices=len(equals))
         reason = f"{equals_text} hold the same numbers"
-    rivals = tuple(i for _, i in suited[len(equals) :])
-    return RoleAssignment(role, index, reason, rivals)
+    alternatives = tuple(i for _, i in suited[len(equals) :])
+    return RoleAssignment(role, index, reason, alternatives)
 
 
 def join_words(words: Sequence[str], last: str = "and") -> str:
@@ -327,7 +327,8 @@ def acceleration_question(table: FileTable) -> Question:
     """Ask for the accelerations if no column is recognised as one."""
     numbers = [i for i, c in enumerate(table.columns) if c.content == "number"]
     column_options = [
-        f'--column acceleration="{handle(table.columns, i)}"' for i in numbers[2:4] or numbers[-1:]
+        f'--column acceleration="{quote_column(table.columns, i)}"'
+        for i in numbers[2:4] or numbers[-1:]
     ]
     message = (
         f"none of its columns ({_all_columns(table)}) looks like acceleration. Name each "
@@ -364,7 +365,7 @@ def _ask_missing_role(table: FileTable, role: Role) -> Question:
     if role == "hammer" and len(motions) > 1:
         base = max(motions, key=lambda i: vocabulary.has_word(columns[i].name, vocabulary.OF_BASE))
         base_advice = ". Where a base was shaken, name its acceleration: "
-        base_advice += f'{flag("base_acceleration")}="{handle(columns, base, _names(table))}"'
+        base_advice += f'{flag("base_acceleration")}="{quote_column(columns, base, _names(table))}"'
     if role not in {"time", "acceleration"} and _all_say_something(table):
         message = (
             f"none of its columns ({_all_columns(table)}) looks like {_word(role)}. Export it "
@@ -424,7 +425,7 @@ def _example(table: FileTable, role: Role) -> str:
     example_index = _PLACE.get(role, 0)
     at = numbers[min(example_index, len(numbers) - 1)]
     free = (i for i in (at, *numbers) if not _names_something(table.columns[i]))
-    return handle(table.columns, next(free, at), _names(table))
+    return quote_column(table.columns, next(free, at), _names(table))
 
 
 def format_wrong_unit(column: Column, role: Role) -> str:
@@ -483,7 +484,7 @@ def find_column(columns: Sequence[Column], name_or_number: str, option: str) -> 
     )
 
 
-def unit_for(column: Column, number: int, role: Role, options: ReadOptions) -> Unit:
+def get_unit(column: Column, number: int, role: Role, options: ReadOptions) -> Unit:
     """Return the unit of a column in its role.
 
     Raises
@@ -600,7 +601,7 @@ def _clock_unit(label: str, stated_unit: str | None) -> Unit:
     )
 
 
-def no_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
+def explain_missing_units(table: FileTable, missing_units: Sequence[RoleAssignment]) -> str:
     """Ask for the units of several columns that have none, in one sentence."""
     columns = [table.columns[assignment.index] for assignment in missing_units]
     group = list(zip(columns, missing_units, strict=True))
@@ -636,13 +637,13 @@ def format_column(columns: Sequence[Column], index: int, names: Counter[str] | N
     """Return a column as the user sees it: its name and unit in quotes, or its number."""
     column = columns[index]
     unit = f" [{column.unit}]" if column.unit else ""
-    if handle(columns, index, names) == column.name:
+    if quote_column(columns, index, names) == column.name:
         return f"'{column.name}{unit}'"
     quoted_name = f" '{column.name}'" if column.name else ""
     return f"column {index + 1}{quoted_name}{unit}"
 
 
-def handle(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
+def quote_column(columns: Sequence[Column], index: int, names: Counter[str] | None = None) -> str:
     """Return a unique name of a column: its name, or its number where names repeat.
 
     For many columns the caller counts the names once.

@@ -190,7 +190,7 @@ def _table(
         simulated=any(
             "simulated" in line.casefold() for line in header if re.match(r"\A\s*+[#%$!/*;]", line)
         ),
-        doubts=tuple(questions),
+        questions=tuple(questions),
         hints=(*filter(None, [new_header.misfit]), *_hints(header)),
     )
 

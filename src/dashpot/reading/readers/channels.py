@@ -14,6 +14,7 @@ from dashpot.base import dataclass, replace, units
 from dashpot.base.arrays import BoolArray, FloatArray, median, slices
 from dashpot.base.checks import Check
 from dashpot.base.errors import ReadError
+from dashpot.base.number_format import format_count
 from dashpot.base.provenance import Caution, Source, list_cautions
 from dashpot.base.units import Unit
 from dashpot.reading.columns.file_kinds import FileKind
@@ -26,14 +27,14 @@ from dashpot.reading.columns.role_assignment import (
     EXAMPLE,
     RoleAssignment,
     accelerations,
-    assign,
+    assign_role,
+    explain_missing_units,
     format_column,
+    get_unit,
     get_unit_word,
-    handle,
     join_questions,
     list_columns,
-    no_units,
-    unit_for,
+    quote_column,
 )
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.formats import read_table
@@ -41,7 +42,7 @@ from dashpot.reading.raw_file import RawFile, add_name_to_errors, open_raw
 from dashpot.reading.read_options import ReadOptions, flag
 from dashpot.reading.table import Column, FileTable, LoadedColumns, Question
 
-Judged: TypeAlias = Callable[
+SizeCheckFunction: TypeAlias = Callable[
     [Mapping[Role, float], Mapping[Role, str], AbstractSet[Role]],
     Sequence[tuple[Role, Sequence[Check]]],
 ]
@@ -68,7 +69,7 @@ class OpenedFile:
 
     def column(self, role: Role) -> RoleAssignment | None:
         """Return the column of a role, if there is only one."""
-        answer = assign(self.table, role, self.options)
+        answer = assign_role(self.table, role, self.options)
         return answer if isinstance(answer, RoleAssignment) else None
 
     def find_unambiguous_column(self, role: Role) -> RoleAssignment | None:
@@ -78,7 +79,7 @@ class OpenedFile:
         ------
         ReadError
         """
-        answer = assign(self.table, role, self.options)
+        answer = assign_role(self.table, role, self.options)
         if isinstance(answer, RoleAssignment):
             return answer
         if answer.choices:
@@ -87,9 +88,9 @@ class OpenedFile:
 
     def unit(self, index: int, role: Role) -> Unit:
         """The unit of a column in a role, as
-        :func:`~dashpot.reading.columns.role_assignment.unit_for`.
+        :func:`~dashpot.reading.columns.role_assignment.get_unit`.
         """
-        return unit_for(self.table.columns[index], index + 1, role, self.options)
+        return get_unit(self.table.columns[index], index + 1, role, self.options)
 
     def unit_word(self, index: int, role: Role) -> str | None:
         """Return the unit of a column by the options or the file; or None."""
@@ -121,27 +122,27 @@ def open_file(
     options = (options or ReadOptions()).for_file(path)
     file = pop_cached_file(path, options) or open_table(open_raw(path), options)
     with add_name_to_errors(file.raw.name):
-        if refuse_questions and file.table.doubts:
-            raise ReadError(file.table.doubts[0].message)
+        if refuse_questions and file.table.questions:
+            raise ReadError(file.table.questions[0].message)
         yield file
 
 
 def open_table(raw: RawFile, options: ReadOptions) -> OpenedFile:
     """Return a file with the table found in it, without the questions that options answer."""
     table = read_table(raw, options)
-    if options.window_decay is not None and table.doubts:
+    if options.window_decay is not None and table.questions:
         questions = [
             question
-            for question in table.doubts
+            for question in table.questions
             if not question.option.startswith(flag("window_decay"))
         ]
-        table = replace(table, doubts=tuple(questions))
+        table = replace(table, questions=tuple(questions))
     return OpenedFile(raw, table, options)
 
 
-_LEFT_OPEN: dict[object, OpenedFile] = {}
+_OPEN_FILES: dict[object, OpenedFile] = {}
 """Files that were looked at and are about to be read."""
-_MAX_KEPT = 16
+_MAX_OPEN_FILES = 16
 """Number of kept ones."""
 
 
@@ -149,14 +150,14 @@ def cache_open_file(path: str | Path, file: OpenedFile) -> None:
     """Cache an open file for the next reader with the same options, so that it is parsed once."""
     key = _key(path, file.options)
     if key is not None:
-        while len(_LEFT_OPEN) >= _MAX_KEPT:
-            _LEFT_OPEN.pop(next(iter(_LEFT_OPEN)), None)
-        _LEFT_OPEN[key] = file
+        while len(_OPEN_FILES) >= _MAX_OPEN_FILES:
+            _OPEN_FILES.pop(next(iter(_OPEN_FILES)), None)
+        _OPEN_FILES[key] = file
 
 
 def pop_cached_file(path: str | Path, options: ReadOptions) -> OpenedFile | None:
     """Return a file that was left open, which then is so no longer."""
-    return _LEFT_OPEN.pop(_key(path, options), None) if _LEFT_OPEN else None
+    return _OPEN_FILES.pop(_key(path, options), None) if _OPEN_FILES else None
 
 
 def _key(path: str | Path, options: ReadOptions) -> object:
@@ -193,7 +194,7 @@ def refuse_summary(file: OpenedFile) -> None:
         raise ReadError(f"is not a test: {peaks}")
 
 
-def expect(
+def refuse_other_kinds(
     file: OpenedFile,
     accepted: Sequence[FileKind],
     wanted_kind: str,
@@ -212,7 +213,7 @@ def expect(
         refuse_kind(file.table, file.options, accepted, wanted_kind)
 
 
-def choose(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
+def choose_channels(file: OpenedFile, roles: Sequence[Role]) -> list[Channel]:
     """Return the columns that play the roles, with their units.
 
     Raises
@@ -233,12 +234,12 @@ def select_columns(
     ReadError
         With every question that the file leaves open, in one sentence each.
     """
-    answers = [*(assign(file.table, role, file.options) for role in roles), *other_questions]
+    answers = [*(assign_role(file.table, role, file.options) for role in roles), *other_questions]
     if any(isinstance(answer, Question) for answer in answers):
         kind, reason = detect_table_kind(file.table, file.options)
         if kind == "not-a-test":
             raise ReadError(f"is not a test: {reason}")
-    columns = answered(file, answers)
+    columns = require_answers(file, answers)
     roles_of: dict[int, Role] = {}
     for column in columns:
         other = roles_of.setdefault(column.index, column.role)
@@ -257,7 +258,7 @@ def format_role_conflict(columns: Sequence[Column], index: int, name: Role, othe
     )
 
 
-def answered(
+def require_answers(
     file: OpenedFile, assignments: Sequence[RoleAssignment | Question], hint: str = ""
 ) -> list[RoleAssignment]:
     """Return the columns found, or raise every question in one sentence with the hint."""
@@ -281,7 +282,7 @@ def add_units(file: OpenedFile, assignments: Sequence[RoleAssignment]) -> list[C
         if file.unit_word(assignment.index, assignment.role) is None
     ]
     grouped = without_unit if len(without_unit) > 1 else []
-    channels, requested = [], [no_units(file.table, grouped)] if grouped else []
+    channels, requested = [], [explain_missing_units(file.table, grouped)] if grouped else []
     for item in assignments:
         if item in grouped:
             continue
@@ -320,7 +321,7 @@ def refuse_sizes(
 
 
 def refuse_all_sizes(
-    file: OpenedFile, channels_chosen: Sequence[Channel], function: Judged
+    file: OpenedFile, channels_chosen: Sequence[Channel], function: SizeCheckFunction
 ) -> list[str]:
     """Ask together for all units that make a size impossible; return notes on unusual sizes.
 
@@ -369,8 +370,7 @@ def refuse_all_sizes(
 def is_stated(file: OpenedFile, channel: Channel) -> bool:
     """Whether the unit of a channel is stated by the user or in each cell, as of clock times."""
     column = file.table.columns[channel.index]
-    clocked = column.content == "clock"
-    return clocked or file.options.unit_of(channel.role, column.name) is not None
+    return column.content == "clock" or file.options.unit_of(channel.role, column.name) is not None
 
 
 def refuse_other_rate(file: OpenedFile) -> None:
@@ -392,7 +392,7 @@ def refuse_other_rate(file: OpenedFile) -> None:
     ticks = load(file.table, [answer.index], file.options.segment, refuse_questions=False).values[
         :, 0
     ]
-    steps = np.diff(si(ticks[np.isfinite(ticks)], unit))
+    steps = np.diff(scale_to_si(ticks[np.isfinite(ticks)], unit))
     step = median(steps) if len(steps) else 0.0
     is_even = step > 0 and np.mean(np.abs(steps / step - 1) < _RATE_TOLERANCE) > 1 - _RATE_TOLERANCE
     if is_even and abs(rate * step - 1) > _RATE_TOLERANCE:
@@ -406,12 +406,12 @@ def refuse_other_rate(file: OpenedFile) -> None:
 
 def format_role_options(file: OpenedFile, columns: Sequence[tuple[Role, int]]) -> str:
     """Return the options that give roles to columns, with the usual units, as they are typed."""
-    words = [f'{flag(role)}="{handle(file.table.columns, index)}"' for role, index in columns]
+    words = [f'{flag(role)}="{quote_column(file.table.columns, index)}"' for role, index in columns]
     unit_options = dict.fromkeys(f"{role}={EXAMPLE[role]}" for role, _ in columns)
     return f'{" ".join(words)} --units "{",".join(unit_options)}"'
 
 
-def describe_rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
+def describe_alternatives(file: OpenedFile, channels_chosen: Sequence[Channel]) -> list[str]:
     """Return notes on other columns that could have had a role."""
     taken_columns = {channel.index for channel in channels_chosen}
     columns = file.table.columns
@@ -420,7 +420,7 @@ def describe_rivals(file: OpenedFile, channels_chosen: Sequence[Channel]) -> lis
         if item.role == "acceleration":  # there may be several
             continue
         answer = file.column(item.role)
-        other_columns = [i for i in answer.rivals if i not in taken_columns] if answer else []
+        other_columns = [i for i in answer.alternatives if i not in taken_columns] if answer else []
         if other_columns:
             columns_text = ", ".join(format_column(columns, i) for i in other_columns[:3])
             notes.append(
@@ -435,13 +435,13 @@ def find_optional_column(file: OpenedFile, role: Role) -> tuple[RoleAssignment |
 
     Where several could play it none is taken, with a note.
     """
-    answer = assign(file.table, role, file.options)
+    answer = assign_role(file.table, role, file.options)
     if isinstance(answer, RoleAssignment):
         return answer, []
     return None, [f"no {role} is taken: {answer.message}"] if answer.choices else []
 
 
-def source(file: OpenedFile, columns: Sequence[str], notes: Sequence[str]) -> Source:
+def make_source(file: OpenedFile, columns: Sequence[str], notes: Sequence[str]) -> Source:
     """Return where the numbers came from."""
     raw, table = file.raw, file.table
     return Source(
@@ -450,7 +450,7 @@ def source(file: OpenedFile, columns: Sequence[str], notes: Sequence[str]) -> So
     )  # fmt: skip
 
 
-def si(values: FloatArray, unit: Unit) -> FloatArray:
+def scale_to_si(values: FloatArray, unit: Unit) -> FloatArray:
     """Return values in SI, the same array scaled; 1000 mm is 1 m, so a factor 1/k divides."""
     inverse = round(1 / unit.factor) if 0 < unit.factor < 1 else 0
     if inverse > 1 and abs(unit.factor * inverse - 1) < 1e-15:
@@ -467,7 +467,7 @@ def convert_signals_to_si(
 ) -> dict[Role, FloatArray]:
     """Return the columns of loaded values, in the order chosen, in SI units by their role."""
     columns = ((channel, np.ascontiguousarray(values[:, j])) for j, channel in enumerate(selection))
-    return {channel.role: si(column, channel.unit) for channel, column in columns}
+    return {channel.role: scale_to_si(column, channel.unit) for channel, column in columns}
 
 
 def add_time_role(file: OpenedFile, *roles: Role) -> list[Role]:
@@ -486,9 +486,9 @@ def load(
         If there is no such segment, or, where it must be `refuse_questions`, its numbers leave a
         doubt.
     """
-    loaded_data = part(table.load(indexes), segment)
-    if refuse_questions and loaded_data.doubts:
-        raise ReadError(loaded_data.doubts[0][1].message)
+    loaded_data = select_segment(table.load(indexes), segment)
+    if refuse_questions and loaded_data.questions:
+        raise ReadError(loaded_data.questions[0][1].message)
     extremes = (
         np.fmax.reduce(loaded_data.values, initial=0.0),
         -np.fmin.reduce(loaded_data.values, initial=0.0),
@@ -545,8 +545,9 @@ def load_test(
     )
     count = len(loaded_columns.values)
     if count < min_count:
-        plural = "s" * (count != 1)
-        raise ReadError(f"only {count} row{plural} of numbers; a test needs at least {min_count}")
+        raise ReadError(
+            f"only {format_count(count, 'row')} of numbers; a test needs at least {min_count}"
+        )
     return loaded_columns
 
 
@@ -590,7 +591,7 @@ def select_complete_rows(loaded_columns: LoadedColumns) -> tuple[FloatArray, tup
     return loaded_columns.values[is_complete], (*loaded_columns.notes, note)
 
 
-def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
+def select_segment(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
     """Return the segment requested, or everything.
 
     Raises
@@ -602,17 +603,18 @@ def part(loaded_columns: LoadedColumns, segment: int | None) -> LoadedColumns:
         return loaded_columns
     count = len(loaded_columns.starts)
     if segment > count:
-        plural = "s" * (count != 1)
-        raise ReadError(f"--file-part segment={segment}, but the file has {count} segment{plural}")
+        raise ReadError(
+            f"--file-part segment={segment}, but the file has {format_count(count, 'segment')}"
+        )
     keep = np.zeros(len(loaded_columns.values), dtype=bool)
     keep[slices(loaded_columns.starts, len(keep))[segment - 1]] = True
     questions = tuple(
-        question for question in loaded_columns.doubts if question[0] in {None, segment - 1}
+        question for question in loaded_columns.questions if question[0] in {None, segment - 1}
     )
-    return replace(rows(loaded_columns, keep), doubts=questions)
+    return replace(select_rows(loaded_columns, keep), questions=questions)
 
 
-def rows(loaded_columns: LoadedColumns, keep: BoolArray) -> LoadedColumns:
+def select_rows(loaded_columns: LoadedColumns, keep: BoolArray) -> LoadedColumns:
     """Return some of the rows as one segment, with their line numbers."""
     if keep.all() and len(loaded_columns.starts) == 1:
         return loaded_columns
@@ -633,13 +635,13 @@ def rows(loaded_columns: LoadedColumns, keep: BoolArray) -> LoadedColumns:
 # From one file or several to the record of a base that is shaken and the mass on it.
 
 
-_SLOWER: tuple[Role, ...] = ("velocity", "displacement")
+_OTHER_MOTIONS: tuple[Role, ...] = ("velocity", "displacement")
 
 
 def find_mass_motions(file: OpenedFile, taken_columns: Sequence[int]) -> list[RoleAssignment]:
     """Return the motions of the mass: the named ones, else accelerations, else the others."""
     options = file.options
-    roles_named = [role for role in _SLOWER if getattr(options, role)]
+    roles_named = [role for role in _OTHER_MOTIONS if getattr(options, role)]
     assignments: list[RoleAssignment] = []
     if options.acceleration or not roles_named:
         assignments = [
@@ -648,6 +650,9 @@ def find_mass_motions(file: OpenedFile, taken_columns: Sequence[int]) -> list[Ro
         ]
     assignments += filter(
         None,
-        map(file.find_unambiguous_column, roles_named if roles_named or assignments else _SLOWER),
+        map(
+            file.find_unambiguous_column,
+            roles_named if roles_named or assignments else _OTHER_MOTIONS,
+        ),
     )
     return [assignment for assignment in assignments if assignment.index not in taken_columns]

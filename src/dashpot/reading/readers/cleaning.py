@@ -11,7 +11,7 @@ from dashpot.base.arrays import BoolArray, FloatArray, median
 from dashpot.base.errors import ReadError
 from dashpot.base.provenance import Caution
 from dashpot.base.units import Unit
-from dashpot.reading.columns.role_assignment import RoleAssignment, assign, score
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign_role, score
 from dashpot.reading.columns.vocabulary import MIN_SCORE, STEP_TIME, Role, has_word
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -310,12 +310,16 @@ def find_separate_clocks(table: FileTable, options: ReadOptions) -> tuple[RoleAs
 
     A signal's own clock is the column of time right before it, where no one column is the time.
     """
-    if options.time or options.rate or not isinstance(assign(table, "time", options), Question):
+    if (
+        options.time
+        or options.rate
+        or not isinstance(assign_role(table, "time", options), Question)
+    ):
         return ()
     clocks = []
     signals: tuple[Role, ...] = ("displacement", "force")
     for role in signals:
-        signal = assign(table, role, options)
+        signal = assign_role(table, role, options)
         before = signal.index - 1 if isinstance(signal, RoleAssignment) else -1
         if before < 0 or score(table.columns[before], "time", options) < 1.5:
             return ()
@@ -328,12 +332,12 @@ def assign_time_since_step(table: FileTable, options: ReadOptions) -> RoleAssign
 
     A rheometer writes both, and the whole one began before the step.
     """
-    assignment = assign(table, "time", options)
+    assignment = assign_role(table, "time", options)
     if options.time or isinstance(assignment, Question):
         return assignment
     indices = [
         i
-        for i in assignment.rivals
+        for i in assignment.alternatives
         if score(table.columns[i], "time", options) >= MIN_SCORE
         and has_word(table.columns[i].name, STEP_TIME)
     ]
@@ -378,7 +382,7 @@ def interpolate_to_force_clock(loaded_columns: LoadedColumns, ratio: float = 1.0
             "the clocks of displacement and force share no time; name one clock for both "
             "with --column time=NAME"
         )
-    shared = channels.rows(loaded_columns, has_both)
+    shared = channels.select_rows(loaded_columns, has_both)
     at_forces = np.interp(time[has_both], ticks[value], change[value])
     note = (
         f"displacement and force have clocks of their own: {has_both.sum()} of {len(time)} rows of "

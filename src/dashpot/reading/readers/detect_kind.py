@@ -17,7 +17,12 @@ from dashpot.reading.columns.file_kinds import (
     identify_json,
 )
 from dashpot.reading.columns.kind_detection import detect_table_kind
-from dashpot.reading.columns.role_assignment import EXAMPLE, find_weight, handle, score_columns
+from dashpot.reading.columns.role_assignment import (
+    EXAMPLE,
+    find_weight,
+    quote_column,
+    score_columns,
+)
 from dashpot.reading.columns.vocabulary import DIMENSION, Role
 from dashpot.reading.raw_file import add_name_to_errors, looks_like_json, open_raw
 from dashpot.reading.read_options import PROFILE, ReadOptions, flag
@@ -120,7 +125,7 @@ def suggest_relaxation_options(path: str | Path, options: ReadOptions | None = N
             return ""
         index = max(candidates, key=lambda i: (scores.get(i, 0.0), -i))
         free.remove(index)
-        names.append(f'{flag(role)}="{handle(columns, index)}"')
+        names.append(f'{flag(role)}="{quote_column(columns, index)}"')
         unit = file.unit_word(index, role)
         if columns[index].content == "number" and not (
             unit and units.find_unit(unit, DIMENSION[role])
@@ -170,7 +175,7 @@ def _load_signals_by_row(
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Return row number and the two signals; None where the columns are ambiguous."""
     try:
-        channels_chosen = channels.choose(file, pair)
+        channels_chosen = channels.choose_channels(file, pair)
         values, _ = channels.select_complete_rows(
             channels.load_test(file, channels_chosen, _MIN_SAMPLES)
         )

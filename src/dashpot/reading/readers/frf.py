@@ -26,11 +26,11 @@ from dashpot.reading.columns.kind_detection import (
 )
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
-    assign,
+    assign_role,
     find_column,
     format_column,
-    handle,
     list_columns,
+    quote_column,
 )
 from dashpot.reading.columns.vocabulary import Role, has_word
 from dashpot.reading.read_options import ReadOptions, flag
@@ -127,12 +127,12 @@ def _sort_signal_pair(
     raise ReadError(
         f"{format_column(columns, first.amplitude)} and {format_column(columns, second.amplitude)} "
         f"are two motions; say which of them is the base, for example {flag('base_acceleration')}="
-        f'"{handle(columns, first.amplitude)}"'
+        f'"{quote_column(columns, first.amplitude)}"'
     )
 
 
 def refuse_angle(file: OpenedFile, index: int, phase: FloatArray, radian: float) -> None:
-    """Ask for the unit of a phase that goes over one turn of the other unit, unless it was said."""
+    """Ask for the unit of a phase that exceeds one turn of the other unit, unless it is stated."""
     stated_unit = file.options.unit_of("phase", file.table.columns[index].name)
     max_phase = float(np.nanmax(np.abs(phase), initial=0.0))
     if stated_unit or len(phase) < _MIN_PHASE_LINES or max_phase == 0:
@@ -170,7 +170,7 @@ def read_frf(path: str | Path, *, options: ReadOptions | None = None) -> FRF:
         If there is no FRF in the file, or its kind or unit is left open.
     """
     with channels.open_file(path, options) as file:
-        channels.expect(
+        channels.refuse_other_kinds(
             file, ["frf", "transmissibility"], "an FRF is", stated_columns=["real", "magnitude"]
         )
         converted_file = make_ratio_file(file)
@@ -212,7 +212,9 @@ def build_frf(file: OpenedFile, columns: FRFColumns) -> FRF:
         sd=None if sd is None else loaded_columns.values[:, sd] * np.abs(scale),
         shift=shift, shift_sd=metadata.get("shift sd", 0.0), record=metadata.get("record"),
         averages=int(metadata.get("averages", 0)),
-        source=(channels.source(file, names, (*file.table.notes, *notes, *loaded_columns.notes)),),
+        source=(
+            channels.make_source(file, names, (*file.table.notes, *notes, *loaded_columns.notes)),
+        ),
         units="SI",
     )  # fmt: skip
 
@@ -297,7 +299,7 @@ def _columns(file: OpenedFile) -> dict[Role, int]:
     index: dict[Role, int] = {}
     options: dict[Role, str] = {}
     for role in ("frequency", *chain(*PAIRS), "coherence"):
-        assignment = assign(file.table, role, file.options)
+        assignment = assign_role(file.table, role, file.options)
         if isinstance(assignment, RoleAssignment):
             index[role] = assignment.index
         elif assignment.choices:

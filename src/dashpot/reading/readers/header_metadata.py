@@ -143,9 +143,12 @@ def _load_temperature_column(
     loaded_columns = channels.load(
         file.table, [channel.index], file.options.segment, refuse_questions=False
     )
-    kelvin = channels.si(loaded_columns.values[:, 0], channel.unit)
+    kelvin = channels.scale_to_si(loaded_columns.values[:, 0], channel.unit)
     kelvin = kelvin[np.isfinite(kelvin)]
-    return kelvin if len(kelvin) else None, [*notes, *channels.describe_rivals(file, [channel])]
+    return kelvin if len(kelvin) else None, [
+        *notes,
+        *channels.describe_alternatives(file, [channel]),
+    ]
 
 
 def _rise(kelvin: FloatArray) -> float:

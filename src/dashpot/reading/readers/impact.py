@@ -156,12 +156,14 @@ def join_record_starts(tests: Sequence[tuple[int, tuple[int, ...]]]) -> tuple[in
 def _read_test(path: str | Path, options: ReadOptions, wanted_kind: str) -> ImpactTest:
     with channels.open_file(path, options) as file:
         channels.refuse_summary(file)
-        channels.expect(file, ["impact"], wanted_kind, stated_columns=["acceleration", "hammer"])
+        channels.refuse_other_kinds(
+            file, ["impact"], wanted_kind, stated_columns=["acceleration", "hammer"]
+        )
         channels_chosen, rate = _channels(file), file.options.rate
         loaded_columns, columns = load_complete_columns(file, channels_chosen)
         notes = [
             *file.table.notes,
-            *channels.describe_rivals(file, channels_chosen[:-1]),
+            *channels.describe_alternatives(file, channels_chosen[:-1]),
             *loaded_columns.notes,
         ]
         if rate is None:
@@ -176,7 +178,7 @@ def _read_test(path: str | Path, options: ReadOptions, wanted_kind: str) -> Impa
             file.table.header, file.options, _longest_record(time, starts)
         )
         notes += sentences
-        source = channels.source(file, [c.message for c in channels_chosen], notes)
+        source = channels.make_source(file, [c.message for c in channels_chosen], notes)
         try:
             test = ImpactTest(
                 time, signals[0], np.array(signals[1:]), starts, _names(file, channels_chosen),
@@ -302,7 +304,8 @@ def load_complete_columns(
             "record there or export it again"
         )
     return loaded_columns, [
-        channels.si(loaded_columns.values[:, j], c.unit) for j, c in enumerate(channels_chosen)
+        channels.scale_to_si(loaded_columns.values[:, j], c.unit)
+        for j, c in enumerate(channels_chosen)
     ]
 
 

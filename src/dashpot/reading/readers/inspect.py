@@ -24,7 +24,7 @@ from dashpot.reading.columns.file_kinds import (
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
     accelerations,
-    assign,
+    assign_role,
     find_column,
 )
 from dashpot.reading.columns.vocabulary import Role
@@ -209,9 +209,9 @@ def inspect_opened(file: OpenedFile) -> Inspection:
     rate, is_even, duration = _inspect_sampling(time, loaded_columns.starts)
     warnings = [*table.notes, *loaded_columns.notes]
     by_hand = kind in KINDS_OF_FILE and KINDS_OF_FILE[kind].by_hand
-    if time is not None and not loaded_columns.doubts and not by_hand:
+    if time is not None and not loaded_columns.questions and not by_hand:
         warnings += cleaning.clock_notes(time[np.isfinite(time)])
-    open_questions = [question for _, question in loaded_columns.doubts]
+    open_questions = [question for _, question in loaded_columns.questions]
     if kind == "relaxation" and not questions and _look_swapped(by_index, roles):
         warnings.append("displacement and force look swapped")
     refuse_sizes = find_handler("refuse sizes", kind)
@@ -226,7 +226,7 @@ def inspect_opened(file: OpenedFile) -> Inspection:
         columns=_inspect_columns(file, _first(numbers, loaded_columns.values), roles),
         rate=rate, even=is_even, duration=duration,
         segments=_inspect_segments(loaded_columns, time),
-        warnings=tuple(warnings), questions=(*table.doubts, *open_questions, *questions),
+        warnings=tuple(warnings), questions=(*table.questions, *open_questions, *questions),
         simulated=table.simulated,
     )  # fmt: skip
     vars(inspection)[_COURSE] = _select_course_rows(
@@ -255,7 +255,7 @@ def _judge_sizes(
     elongated: Role = "strain" if "strain" in assigned_roles else "stretch"
     if not {elongated, "stress"} <= assigned_roles:
         return
-    channels_chosen = channels.choose(file, [elongated, "stress"])
+    channels_chosen = channels.choose_channels(file, [elongated, "stress"])
     strain, stress = (channel.unit.factor * by_index[channel.index] for channel in channels_chosen)
     has_both = np.isfinite(strain) & np.isfinite(stress)
     strain, stress = strain[has_both] - (elongated == "stretch"), stress[has_both]
@@ -332,7 +332,9 @@ def _assign_kind_roles(
     for role in roles_wanted:
         is_elapsed = curve and role == "time"
         assignment = (
-            assign_time_since_step(table, options) if is_elapsed else assign(table, role, options)
+            assign_time_since_step(table, options)
+            if is_elapsed
+            else assign_role(table, role, options)
         )
         if isinstance(assignment, RoleAssignment):
             assigned_role, _ = roles.get(assignment.index, (role, ""))
@@ -425,7 +427,7 @@ def _time(
         unit = file.unit(index, "time")
     except ReadError:
         return None
-    return channels.si(by_index[index].copy(), unit)
+    return channels.scale_to_si(by_index[index].copy(), unit)
 
 
 def _inspect_sampling(

@@ -71,7 +71,7 @@ def relaxation_in(file: OpenedFile, specimen: Specimen) -> RelaxationTest:
     notes += _refuse_sizes(file, channels_chosen, time, displacement, force)
     specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
     specimen, rest_notes = stated_rest(file, specimen)
-    source = channels.source(
+    source = channels.make_source(
         file, [c.message for c in channels_chosen], [*notes, *sentences, *rest_notes]
     )
     return RelaxationTest(time, displacement, force, specimen, source, units="SI")
@@ -107,7 +107,7 @@ def load_signals(
     values = channels.convert_signals_to_si(loaded_columns.values, channels_chosen)
     notes = [
         *file.table.notes,
-        *channels.describe_rivals(file, channels_chosen),
+        *channels.describe_alternatives(file, channels_chosen),
         *loaded_columns.notes,
     ]
     rate = file.options.rate
@@ -123,7 +123,7 @@ def load_signals(
         )
         notes += dropped
         values = {role: column[keep] for role, column in values.items()}
-        loaded_columns = channels.rows(loaded_columns, keep)
+        loaded_columns = channels.select_rows(loaded_columns, keep)
     keep, dropped = cleaning.drop_repeats(values["time"], loaded_columns)
     notes += dropped
     if not keep.all():
@@ -151,15 +151,20 @@ def signals(
     left_out = []
     if file.options.rate or file.find_unambiguous_column("time"):
         try:
-            channels_chosen = channels.choose(file, channels.add_time_role(file, *roles))
+            channels_chosen = channels.choose_channels(file, channels.add_time_role(file, *roles))
             return channels_chosen, *load_signals(file, channels_chosen)
         except ReadError as error:
             if clock_matters:
                 raise
             left_out.append(f"the clock is left out: {error}")
-    channels_chosen = channels.choose(file, roles)
+    channels_chosen = channels.choose_channels(file, roles)
     rows, gaps = channels.select_complete_rows(channels.load_test(file, channels_chosen, min_count))
-    notes = [*file.table.notes, *channels.describe_rivals(file, channels_chosen), *gaps, *left_out]
+    notes = [
+        *file.table.notes,
+        *channels.describe_alternatives(file, channels_chosen),
+        *gaps,
+        *left_out,
+    ]
     return channels_chosen, channels.convert_signals_to_si(rows, channels_chosen), notes
 
 
@@ -266,7 +271,7 @@ def _require_relaxation_kind(file: OpenedFile, other_kinds: Sequence[FileKind] =
 
     If only the clock is missing, the sampling rate is requested.
     """
-    channels.expect(
+    channels.refuse_other_kinds(
         file,
         ["relaxation", "cld", "cyclic", *other_kinds],
         "a ramp and a hold is",
@@ -286,9 +291,9 @@ def moving_columns(
     """
     clocks = find_separate_clocks(file.table, file.options) if moving == "displacement" else ()
     if not clocks:
-        return channels.choose(file, channels.add_time_role(file, moving, force_role)), []
+        return channels.choose_channels(file, channels.add_time_role(file, moving, force_role)), []
     displacement_clock, force_clock = channels.add_units(file, clocks)
-    signals = channels.choose(file, [moving, force_role])
+    signals = channels.choose_channels(file, [moving, force_role])
     return [force_clock, *signals], [displacement_clock]
 
 
@@ -322,12 +327,14 @@ def read_trajectory(path: str | Path, *, options: ReadOptions | None = None) -> 
     with channels.open_file(path, options) as file:
         channels.refuse_other_rate(file)
         rate = file.options.rate
-        channels_chosen = channels.choose(file, channels.add_time_role(file, "displacement"))
+        channels_chosen = channels.choose_channels(
+            file, channels.add_time_role(file, "displacement")
+        )
         rows, sentences = channels.select_complete_rows(
             channels.load_test(file, channels_chosen, 2)
         )
         values = channels.convert_signals_to_si(rows, channels_chosen)
         time = np.arange(len(rows)) / rate if rate else values["time"]
         notes = [*file.table.notes, *sentences]
-        source = channels.source(file, [c.message for c in channels_chosen], notes)
+        source = channels.make_source(file, [c.message for c in channels_chosen], notes)
         return Trajectory(time, values["displacement"], source=source)

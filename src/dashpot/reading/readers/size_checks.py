@@ -43,9 +43,9 @@ def make_size_criterion(
     role: str,
     grade: Grade = "stop",
 ) -> Criterion[[float, str]]:
-    """Question about one size, whose unit is that of a role; `message` is the size as text.
+    """Return the check of one size, in the unit of a column role; `message` names the size.
 
-    Graded a note it asks nothing: a file states its units, and there are some such tests.
+    As a note it asks for no unit: some tests have such sizes.
 
     `measure` is the size with its rule, limit and unit, such as ``"travel <= 0.2 m"``.
     """
@@ -69,7 +69,7 @@ travel_of_a_seal = make_size_criterion(
     "travel_of_a_seal",
     "The displacement is no larger than in bench tests of seals.",
     f"travel <= {SIZES['travel'].soft[1]!r} m", "few benches press a seal so far",
-    message="The displacement goes over", role="displacement", grade="note",
+    message="The displacement spans", role="displacement", grade="note",
 )  # fmt: skip
 
 
@@ -82,14 +82,14 @@ travel_of_a_seal = make_size_criterion(
 )
 def travel_of_a_bench(travel: float, unit: str, *, force: float) -> Finding:
     """The displacement is as large as rubber needs for such a force."""
-    message = f"The displacement goes over {format_quantity_short(travel, 'm')}"
-    probe = force < 10 * MIN_FORCE and unit not in _COARSE
+    message = f"The displacement spans {format_quantity_short(travel, 'm')}"
+    is_indenter = force < 10 * MIN_FORCE and unit not in _COARSE
     text = f"{message} under {format_quantity_short(force, 'N')}"
     return Finding(
         message,
         travel,
         **make_unit_advice(text, "displacement", unit, _LARGER),
-        always_passes=probe,
+        always_passes=is_indenter,
     )
 
 
@@ -97,7 +97,7 @@ force_of_a_seal = make_size_criterion(
     "force_of_a_seal",
     "The force is no greater than a seal carries.",
     f"rise of the force <= {SIZES['force'].soft[1]!r} N", "ten times what a seal carries",
-    message="The force goes over", role="force", grade="note",
+    message="The force spans", role="force", grade="note",
 )  # fmt: skip
 
 
@@ -110,8 +110,8 @@ force_of_a_seal = make_size_criterion(
 )
 def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
     """The force is as large as rubber gives for such a displacement."""
-    message = f"The force goes over {format_quantity_short(force, 'N')}"
-    text = f"{message} while the displacement goes over {format_quantity_short(travel, 'm')}"
+    message = f"The force spans {format_quantity_short(force, 'N')}"
+    text = f"{message} while the displacement spans {format_quantity_short(travel, 'm')}"
     return Finding(
         message,
         force,
@@ -129,9 +129,7 @@ def force_of_a_bench(force: float, unit: str, *, travel: float) -> Finding:
 )
 def stiffness_of_a_seal(force: float, unit: str, *, travel: float, travel_unit: str) -> Finding:
     """The ratio of force to displacement is no lower than that of a soft seal."""
-    message = (
-        f"The force goes over {format_quantity_short(force, 'N')} while the displacement goes over "
-    )
+    message = f"The force spans {format_quantity_short(force, 'N')} while the displacement spans "
     message += format_quantity_short(travel, "m")
     return Finding(
         message,

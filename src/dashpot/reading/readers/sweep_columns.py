@@ -15,9 +15,9 @@ from dashpot.reading.columns import vocabulary
 from dashpot.reading.columns.kind_detection import detect_table_kind
 from dashpot.reading.columns.role_assignment import (
     RoleAssignment,
-    assign,
+    assign_role,
     format_column,
-    handle,
+    quote_column,
 )
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.readers import channels
@@ -48,7 +48,7 @@ def sweep_columns(file: OpenedFile) -> tuple[list[RoleAssignment], int | None]:
         If a column is not found, or one could be storage or the size.
     """
     assignments = _find_part_columns(file)
-    columns = channels.answered(file, list(assignments.values()), _hint(file, assignments))
+    columns = channels.require_answers(file, list(assignments.values()), _hint(file, assignments))
     _refuse_equal_columns(file, columns)
     ratio = next((column.index for column in columns if column.role == "loss_factor"), None)
     columns = [column for column in columns if column.role != "loss_factor"]
@@ -113,7 +113,7 @@ def _blocks(loaded_columns: LoadedColumns, is_complete: BoolArray) -> list[BoolA
 def _find_part_columns(file: OpenedFile) -> dict[Role, RoleAssignment | Question]:
     """Return the columns of frequency and of the modulus: with loss, loss factor or loss angle."""
     table, options = file.table, file.options
-    assignments = {role: assign(table, role, options) for role in _ROLES}
+    assignments = {role: assign_role(table, role, options) for role in _ROLES}
     other = _find_loss_substitute(file)
     size = file.column("complex_modulus")
     size = None if options.storage else size
@@ -168,7 +168,7 @@ def _find_loss_substitute(file: OpenedFile) -> RoleAssignment | Question | None:
     if file.options.phase and not file.options.loss_factor:
         roles.reverse()
     for role in roles:
-        assignment = assign(file.table, role, file.options)
+        assignment = assign_role(file.table, role, file.options)
         if isinstance(assignment, RoleAssignment) or assignment.choices:
             return assignment
     return None
@@ -201,7 +201,7 @@ def _is_size(
     if isinstance(storage, Question) or (
         vocabulary.matches(columns[storage.index].name).get("storage", 0.0) < 1.5
     ):
-        name = handle(columns, size.index)
+        name = quote_column(columns, size.index)
         raise ReadError(
             f"{format_column(columns, size.index)} could be the storage part K' or the size |K*|, "
             "which "
@@ -235,7 +235,7 @@ def load_parts(
     rows, gaps = channels.select_complete_rows(loaded_columns)
     values = channels.convert_signals_to_si(rows, channels_chosen)
     warmth = [column_by_role["temperature"]] if "temperature" in column_by_role else []
-    notes = [*file.table.notes, *gaps, *channels.describe_rivals(file, warmth)]
+    notes = [*file.table.notes, *gaps, *channels.describe_alternatives(file, warmth)]
     if "loss" in column_by_role:
         if base.unit.dimension != column_by_role["loss"].unit.dimension:
             raise ReadError(
@@ -292,7 +292,8 @@ def _check_loss_factor(
         return [f"{message}; the loss was taken"]
     raise ReadError(
         f"{message}: a unit or a column is wrong; say which is right: --column "
-        f'loss="{handle(columns, loss)}" or --column loss-factor="{handle(columns, factor)}"'
+        f'loss="{quote_column(columns, loss)}" or --column '
+        f'loss-factor="{quote_column(columns, factor)}"'
     )
 
 

@@ -86,7 +86,7 @@ def send_reply(stream: BinaryIO, table: Reply) -> None:
     head = {
         "format": table.format, "rows": rows, "starts": first.starts, "segments": first.segments,
         "columns": [[c.name, c.unit, c.content, c.factor] for c in table.columns],
-        "doubts": [[d.message, d.option] for d in table.doubts], "simulated": table.simulated,
+        "questions": [[d.message, d.option] for d in table.questions], "simulated": table.simulated,
         "notes": table.notes, "header": table.header, "hints": table.hints,
         "cautions": [i for i, note in enumerate(table.notes) if isinstance(note, Caution)],
     }  # fmt: skip
@@ -138,8 +138,8 @@ def _table(stream: BinaryIO, head: dict[str, Any]) -> FileTable:
         columns=columns,
         load=make_loader(values, starts, segments),
         simulated=_validate_type(head["simulated"], bool),
-        doubts=tuple(
-            Question(_validate_type(a, str), _validate_type(b, str)) for a, b in head["doubts"]
+        questions=tuple(
+            Question(_validate_type(a, str), _validate_type(b, str)) for a, b in head["questions"]
         ),
         notes=_notes(_strings(head["notes"]), head["cautions"]),
         header=_strings(head["header"]),

@@ -26,11 +26,11 @@ const opened = [];
 addEventListener("beforeprint", () => {
   /** @type {NodeListOf<HTMLDetailsElement>} */
   const folds = document.querySelectorAll("details:not([open])");
-  for (const one of folds) {
-    one.open = true;
-    opened.push(one);
+  for (const fold of folds) {
+    fold.open = true;
+    opened.push(fold);
   }
 });
 addEventListener("afterprint", () => {
-  for (const one of opened.splice(0)) one.open = false;
+  for (const fold of opened.splice(0)) fold.open = false;
 });

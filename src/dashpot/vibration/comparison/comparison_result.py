@@ -196,8 +196,9 @@ class Comparison(Plottable, Serialisable):
         """Agreement of the lines, as text."""
         z = "" if self.z_rms is None else f", {self.z_rms:.3g} times the noise"
         return (
-            f"{len(self.measured.frequency)} lines from {self.band[0]:.3g} to {self.band[1]:.3g} "
-            f"Hz: correlation (FRAC) {self.frac:.3f}; rms error {self.rms_db:.2f} dB{z}"
+            f"{len(self.measured.frequency)} frequency lines from {self.band[0]:.3g} to "
+            f"{self.band[1]:.3g} Hz: correlation (FRAC) {self.frac:.3f}; "
+            f"rms error {self.rms_db:.2f} dB{z}"
         )
 
     @property

@@ -5,8 +5,8 @@ import pytest
 
 from dashpot.base.errors import DataError
 from dashpot.extensions.batch.statistics.control_chart import (
-    BEYOND,
     FOUR_OF_FIVE,
+    OUTSIDE_LIMITS,
     SIDE,
     TREND,
     TWO_OF_THREE,
@@ -82,8 +82,8 @@ def test_control_limits_of_unequal_groups_share_one_scatter():
 @pytest.mark.parametrize(
     ("rule", "breaks", "keeps"),
     [
-        (BEYOND, [3.01], [2.99]),
-        (BEYOND, [-3.01], [-3.0]),
+        (OUTSIDE_LIMITS, [3.01], [2.99]),
+        (OUTSIDE_LIMITS, [-3.01], [-3.0]),
         (SIDE, [0.1] * 9, [0.1] * 8),
         (SIDE, [-0.1] * 9, [-0.1] * 8 + [0.1]),
         (TREND, [-1.5, -0.5, -0.2, 0.3, 0.5, 0.9], [-0.5, -0.2, 0.3, 0.5, 0.9]),
@@ -115,5 +115,5 @@ def test_a_lot_in_control_is_seldom_accused():
         for _ in range(400)
         for signal in chart_individuals(rng.normal(size=25))[0].signals
     ]
-    assert 0.002 < rules.count(BEYOND) / 1e4 < 0.008
+    assert 0.002 < rules.count(OUTSIDE_LIMITS) / 1e4 < 0.008
     assert len(rules) / 400 < 0.5  # false alarms of all five rules, for each lot of 25 seals

@@ -70,23 +70,23 @@ def test_lots_without_scatter_and_lots_too_small():
 def test_difference_is_significant_where_its_interval_excludes_zero(questions):
     """With step-down p-values they disagreed in one of ten comparisons of eight quantities."""
     rng = np.random.default_rng(5)
-    found = 0
+    results = 0
     for shift in np.linspace(0.0, 3.0, 200):
         result = difference(rng.normal(0, 1, 6), rng.normal(shift, 1.5, 9), questions=questions)
         low, high = result.interval
         assert result.different == (not low <= 0 <= high)
-        found += result.different
-    assert 20 < found < 180
+        results += result.different
+    assert 20 < results < 180
 
 
 def test_the_intervals_of_several_questions_hold_together():
     """95 %: of eight quantities without a difference none is found in 95 % of comparisons."""
     rng, seeds = np.random.default_rng(6), 400
-    any_found = [
+    any_difference = [
         any(
             difference(rng.normal(0, 1, 5), rng.normal(0, 2, 8), questions=8).different
             for _ in range(8)
         )
         for _ in range(seeds)
     ]
-    assert np.mean(any_found) == pytest.approx(0.05, abs=4 * 0.22 / seeds**0.5)
+    assert np.mean(any_difference) == pytest.approx(0.05, abs=4 * 0.22 / seeds**0.5)

@@ -154,7 +154,7 @@ def test_the_curve_holds_every_sample_where_it_lies_at_the_reference():
     assert shift.b_t == pytest.approx(TEMPERATURES[0] / REFERENCE)
 
 
-def test_superpose_uses_given_shifts_unchanged():
+def test_superpose_uses_stated_shifts_unchanged():
     table = [Shift(t + 0.5, s + 2.0, 0.1) for t, s in zip(TEMPERATURES, TRUE, strict=True)]
     master_curve = dp.solids.superpose(sweeps(rubbery=False), shifts=table)
     np.testing.assert_allclose(shifts(master_curve), TRUE, atol=1e-12)

@@ -163,8 +163,8 @@ def test_uncertain_shift_of_a_hot_test_blames_no_other_temperature(temperatures,
     assert fit_shift_law(kelvin, shifts, covariance, reference=kelvin[1]).outlier is None
     if len(kelvin) > 4:  # one that is known, and off, is named beside it
         shifts[0] += 0.3
-        found = fit_shift_law(kelvin, shifts, covariance, reference=kelvin[1]).outlier
-        assert found is None or found.temperature != kelvin[-1]
+        result = fit_shift_law(kelvin, shifts, covariance, reference=kelvin[1]).outlier
+        assert result is None or result.temperature != kelvin[-1]
 
 
 @pytest.mark.parametrize(

@@ -29,9 +29,9 @@ from dashpot.simulation.relaxation import simulate_relaxation
 from dashpot.simulation.rig_errors import Climate, Rig
 from dashpot.workflow.json_archive import from_json, to_json
 
-ROOM, FRIDGE = 23.0, 0.0
-KNOWN = dp.Machine(sync=1e-3, drift=0.2e-3, compliance=0.0, creep=0.0)
-PAIR, TRIPLE = (ROOM, FRIDGE), (ROOM, 10.0, FRIDGE)
+AMBIENT, FRIDGE = 23.0, 0.0
+STATED_RIG = dp.Machine(sync=1e-3, drift=0.2e-3, compliance=0.0, creep=0.0)
+PAIR, TRIPLE = (AMBIENT, FRIDGE), (AMBIENT, 10.0, FRIDGE)
 
 
 def fit_cold_tests(seal: str, celsius=PAIR, seed: int = 0, *, vertical="free", **changes) -> dp.Fit:
@@ -64,7 +64,7 @@ def stated_pair() -> dp.Fit:
 
 
 def prepare_on_stated_machine(records: list[dp.RelaxationTest]) -> list[dp.RampHold]:
-    return [prepare(record, machine=KNOWN) for record in records]
+    return [prepare(record, machine=STATED_RIG) for record in records]
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ def triple() -> dp.Fit:
 
 
 def test_fit_with_a_cold_test_recovers_an_arm_hidden_at_room_temperature(pair):
-    fitted_tests = fit_tests(cold.records("hidden", [ROOM], 0)[0])
+    fitted_tests = fit_tests(cold.records("hidden", [AMBIENT], 0)[0])
     assert fitted_tests.model.arms == 2
     assert off(fitted_tests, "hidden") < -0.5
     assert pair.model.arms == 3
@@ -219,7 +219,7 @@ def test_quasi_random_starts_find_the_same_solid():
 
 
 def test_records_that_were_not_fitted_bound_nothing(pair):
-    warm = cold.a_test("hidden", ROOM, 0)
+    warm = cold.a_test("hidden", AMBIENT, 0)
     with pytest.raises(dp.DataError, match="a record has none"):
         unresolved_arm_band(pair, replace(warm, specimen=dp.Specimen()), LINES)
     with pytest.raises(dp.DataError, match="10 degC, and no test of the fit is"):
@@ -264,7 +264,7 @@ def test_fit_reports_tests_that_share_no_model(seal, celsius, vertical, changes)
 
 
 def test_fit_reports_a_small_shift_slope_without_penalty():
-    fit = fit_cold_tests("hidden", TRIPLE, apart=cold.make_growing_shift(0.03))
+    fit = fit_cold_tests("hidden", TRIPLE, shift_factor=cold.make_growing_shift(0.03))
     slope = next(item for item in fit.estimate.nuisance if item.name == "shift slope")
     assert abs(slope.value - 0.03) < 3 * slope.standard_error < 0.03
     assert "thermorheologically_simple" not in list_failed_checks(fit)
@@ -282,11 +282,11 @@ def test_fit_distinguishes_warming_from_another_shift():
 
 
 def test_fit_reports_temperatures_without_overlap():
-    assert "isotherms_overlap" in list_failed_checks(fit_cold_tests("hidden", (ROOM, -20.0)))
+    assert "isotherms_overlap" in list_failed_checks(fit_cold_tests("hidden", (AMBIENT, -20.0)))
 
 
 def test_fit_of_tests_at_one_temperature_has_no_shifts():
-    warm, again = (cold.a_test("hidden", ROOM, seed) for seed in (0, 1))
+    warm, again = (cold.a_test("hidden", AMBIENT, seed) for seed in (0, 1))
     other = replace(again, specimen=dp.Specimen(temperature=296.15 + 0.4))
     fitted_tests = fit_tests([warm, other])
     assert fitted_tests.temperatures is None
@@ -320,7 +320,7 @@ def test_fit_asks_for_a_missing_temperature():
     ],
 )
 def test_fit_of_one_temperature_refuses_shift_options(options, named: str):
-    warm = cold.a_test("hidden", ROOM, 0)
+    warm = cold.a_test("hidden", AMBIENT, 0)
     for test in (warm, replace(warm, specimen=dp.Specimen())):
         with pytest.raises(dp.FitError, match=f"leave out {named}"):
             fit_tests(test, **options)

@@ -128,7 +128,7 @@ def information(plan_kelvin, count, *, use_at=343.15, scatter=0.01, oven=1.0, dr
         out = []
         for k, (kelvin, n) in enumerate(zip(plan_kelvin, count, strict=True)):
             rubber = Rubber(p, np.exp(log_hours), energy)
-            value = rubber.left(hours, kelvin - 273.15 + oven * off[k])
+            value = rubber.force_ratio(hours, kelvin - 273.15 + oven * off[k])
             value = value + zero * drift * hours / 1000
             out += [value] * n
         return np.concatenate(out)

@@ -120,7 +120,7 @@ def predicted_life(result):
 def count_covered(seeds, rubber=TRUE, oven=1.0, **how):
     """Hits of the intervals of life, Ea and F/F0 at 70 degC; ln life and its error of each."""
     hits, lives = [], []
-    truth = np.log(rubber.life(70.0)), rubber.energy, rubber.left(1000.0, 70.0)
+    truth = np.log(rubber.life(70.0)), rubber.energy, rubber.force_ratio(1000.0, 70.0)
     for seed in seeds:
         fit = fit_lot(rubber, seed, oven, **how)
         law, energy = fit.law, fit["activation_energy"]
@@ -179,7 +179,7 @@ def lower_limits(seeds, **how):
         assert np.isnan(retention.value)
         assert "at least" in life.text
         held.append(
-            life.low / HOUR < rubber.life(70.0) and retention.low < rubber.left(1000.0, 70.0)
+            life.low / HOUR < rubber.life(70.0) and retention.low < rubber.force_ratio(1000.0, 70.0)
         )
     return np.mean(held)
 
@@ -259,8 +259,8 @@ def test_an_oven_that_ages_otherwise_is_off_the_line():
     record = lot(TRUE, off=0.0)
     hot = record.celsius == 150
     slow = Rubber(hours=5000.0)
-    force = np.where(hot, record.force * slow.left(record.hours, 150)
-                     / TRUE.left(record.hours, 150), record.force)  # fmt: skip
+    force = np.where(hot, record.force * slow.force_ratio(record.hours, 150)
+                     / TRUE.force_ratio(record.hours, 150), record.force)  # fmt: skip
     test = CSRTest(record.hours, force, record.celsius, record.specimen_number, units="h, N, degC")
     assert "single_activation_energy_explains_ovens" in list_failed_checks(fit_aging([test]))
 

@@ -373,10 +373,10 @@ def test_modes_in_scale_names_a_negative_term_that_fits_as_well(
     for seed in range(3):
         tests = [simulate_scatter(law, mode, (1, 1.6), seed) for mode in ("equibiaxial", "planar")]
         tests.append(simulate_scatter(law, "uniaxial", (1, 2), seed + 9, factor))
-        found = check(fit_hyperelastic(tests), "modes_in_scale")
-        assert found.failed
-        assert ("a negative term" in found.message) is is_signed
-        assert ("area or a gain" in found.message) is not is_signed
+        result = check(fit_hyperelastic(tests), "modes_in_scale")
+        assert result.failed
+        assert ("a negative term" in result.message) is is_signed
+        assert ("area or a gain" in result.message) is not is_signed
 
 
 def test_fit_hyperelastic_of_one_rubber_mode_is_use_with_care():

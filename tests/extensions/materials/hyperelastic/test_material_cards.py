@@ -186,13 +186,13 @@ CUBE = "*NODE\n" + "\n".join(
 )
 FACES = {0: (2, 3, 6, 7), 1: (3, 4, 7, 8), 2: (5, 6, 7, 8)}
 ZERO = {0: (1, 4, 5, 8), 1: (1, 2, 5, 6), 2: (1, 2, 3, 4)}
-MOVED = {"uniaxial": (0,), "equibiaxial": (0, 1), "planar": (0,)}
+STRETCHED_AXES = {"uniaxial": (0,), "equibiaxial": (0, 1), "planar": (0,)}
 
 
 def cube(deck, mode, stretch):
     """One element, faces plane and free to slide, stretched; a planar one keeps its width."""
     held = [(n, axis, 0.0) for axis, nodes in ZERO.items() for n in nodes]
-    pulled = [(n, axis, stretch - 1) for axis in MOVED[mode] for n in FACES[axis]]
+    pulled = [(n, axis, stretch - 1) for axis in STRETCHED_AXES[mode] for n in FACES[axis]]
     pulled += [(n, 1, 0.0) for n in FACES[1]] if mode == "planar" else []
     ties = [
         (axis, nodes)

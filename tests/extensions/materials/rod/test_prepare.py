@@ -18,7 +18,7 @@ pytestmark = pytest.mark.once
 
 # the reference pages [9]: 1 MPa, eta 0.1, 1000 kg/m^3, D = L = 20 mm, M = 5 m
 E, RHO, PART = 1e6 * (1 + 0.1j), 1000.0, Disc(0.02, 0.02)
-OWN = RHO * PART.area * PART.height
+PART_MASS = RHO * PART.area * PART.height
 HZ = np.array([50.0, 100.0, 150.0, 200.0])
 CALIBRATED = RodErrors(gain=0.0, phase=0.0)
 
@@ -29,7 +29,7 @@ def base(hz=HZ, modulus=E, ratio=5.0):
 
 
 def compute_modulus(value, hz=HZ, kind=Kind.TRANSMISSIBILITY, ratio=5.0, **how):
-    how = {"bonded": False, "density": RHO, "part": PART, "mass": ratio * OWN} | how
+    how = {"bonded": False, "density": RHO, "part": PART, "mass": ratio * PART_MASS} | how
     return rod_modulus(FRF(hz, value, kind, units="SI"), **how)
 
 
@@ -50,7 +50,7 @@ def test_a_force_on_the_mass_tells_the_same():
     modulus = 1e6 * (hz / 100) ** 0.1 * (1 + 0.15j)
     omega = 2 * np.pi * hz
     k = omega * np.sqrt(RHO / modulus)  # the wave number
-    stiff = modulus * PART.area * k / np.tan(k * PART.height) - 5 * OWN * omega**2
+    stiff = modulus * PART.area * k / np.tan(k * PART.height) - 5 * PART_MASS * omega**2
     back = compute_modulus(1 / stiff, hz, Kind.RECEPTANCE)
     assert back.modulus == pytest.approx(modulus, rel=1e-9)
 
@@ -92,7 +92,7 @@ def test_sensitivities_are_the_slopes(kind, bonded):
     variants = {
         "by_gain": compute_modulus(value * (1 + d), hz, of, bonded=bonded),
         "by_phase": compute_modulus(value * np.exp(1j * d), hz, of, bonded=bonded),
-        "by_mass": compute_modulus(value, hz, of, bonded=bonded, mass=5 * OWN * (1 + d)),
+        "by_mass": compute_modulus(value, hz, of, bonded=bonded, mass=5 * PART_MASS * (1 + d)),
         "by_length": compute_modulus(value, hz, of, bonded=bonded, part=Disc(0.02, 0.02 * (1 + d))),
         "by_area": compute_modulus(value, hz, of, bonded=bonded, part=wide),
         "by_density": compute_modulus(value, hz, of, bonded=bonded, density=RHO * (1 + d)),
@@ -174,7 +174,7 @@ def noisy_rod(seed, fault=1.0, rocking=0.0, ratio=4.0):
     middle = 0.7 * LINES[np.abs(T).argmax()]
     value = T * (1 + error) * fault + rocking / (1 - (LINES / middle) ** 2 + 0.1j)
     frf = FRF(LINES, value, Kind.TRANSMISSIBILITY, sd=0.005 * np.abs(T), units="SI")
-    response = rod_modulus(frf, PART, mass=ratio * OWN, density=RHO, bonded=False)
+    response = rod_modulus(frf, PART, mass=ratio * PART_MASS, density=RHO, bonded=False)
     return (
         response,
         np.interp(response.frequency, LINES, truth.real),

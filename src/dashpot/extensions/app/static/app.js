@@ -1,16 +1,16 @@
-// What the user does: buttons, keys, fields, files that are dropped; and how the page begins.
-import { $, all, field, made, status } from "./dom.js";
+// Buttons, keys, fields, dropped files, and the start of the page.
+import { $, all, createElement, field, status } from "./dom.js";
 import * as files from "./files.js";
 import * as folders from "./folders.js";
 import {
-  become,
   door,
+  getLimitsKind,
   history,
   kindOf,
   levelUnit,
-  limited,
-  onlyRead,
   remember,
+  restore,
+  setReadOnly,
   shown,
   state,
   test,
@@ -31,7 +31,7 @@ import {
   study,
 } from "./questions.js";
 import { choices, describe, fields, fileList, views, withUnit } from "./shown.js";
-import { refuse, shut, types } from "./verdict.js";
+import { refuse, setElsewhere, setTyping } from "./verdict.js";
 import * as watch from "./watch.js";
 import { call } from "./wire.js";
 
@@ -55,7 +55,7 @@ const DECKS = {
 const NOTICED = 24;
 const PAUSE = 250;
 const STEP = 1.01;
-/** Of a pole that is clicked, to either side of which its mode is sought. */
+/** Factor of the band about a clicked pole in which its mode is sought. */
 const ABOUT = 1.3;
 
 // -- buttons and keys -----------------------------------------------------------------------------
@@ -73,7 +73,7 @@ function copy() {
   );
 }
 
-/** Show the solid of one tab: verdict, tables, figures, and what is taken away. */
+/** Show the model of one tab: verdict, tables, figures and exports. */
 function which(/** @type {string} */ name) {
   const joint = name === "joint", was = state.against;
   const against = name === "ab" || name === "all" ? name : "";
@@ -82,7 +82,7 @@ function which(/** @type {string} */ name) {
   if (!against) state.joint = joint;
   if (against || was) return settle();
   choices();
-  // what stands there is the other's
+  // the page still shows the other model
   $("grid").classList.add("old");
   $("solid").replaceChildren();
   remember();
@@ -111,42 +111,46 @@ function back(/** @type {number | undefined} */ to = undefined) {
   settle();
 }
 
-/** What was chosen, the last first, each a way back. */
+/** Show the history, the last choice first; each can be restored. */
 function steps(/** @type {boolean} */ open) {
   $("history").hidden = !open;
   $("undo").setAttribute("aria-expanded", String(open));
   const rows = history().map(({ words, i }, at) => {
     const has = { "data-back": String(i), ...(at ? {} : { "aria-current": "true" }) };
-    return made("li", {}, made("button", has, words, made("span", {}, at ? "" : "now")));
+    return createElement(
+      "li",
+      {},
+      createElement("button", has, words, createElement("span", {}, at ? "" : "now")),
+    );
   });
   $("history-list").replaceChildren(...rows);
   if (open) $("history-list").querySelector("button")?.focus();
 }
 
-function choose(/** @type {Partial<import("./job.js").Choices>} */ said) {
-  Object.assign(state.job, said);
+function choose(/** @type {Partial<import("./job.js").Choices>} */ changes) {
+  Object.assign(state.job, changes);
   settle();
 }
 
-function arms(/** @type {string} */ said) {
-  if (said === "auto") choose({ arms: said });
-  else choose({ arms: +said, ...(state.job.family === "fractional" && { family: "maxwell" }) });
+function arms(/** @type {string} */ value) {
+  if (value === "auto") choose({ arms: value });
+  else choose({ arms: +value, ...(state.job.family === "fractional" && { family: "maxwell" }) });
 }
 
 function deck(/** @type {string} */ target) {
   const { checked: anyway } = field("anyway");
-  const said = (/** @type {string} */ name, /** @type {string} */ unit) => {
+  const getQuantity = (/** @type {string} */ name, /** @type {string} */ unit) => {
     const number = field(`deck-${name}`).value.trim().replace(",", ".");
     return number && number + unit;
   };
-  files.away({
+  files.download({
     what: "deck",
     target,
     units: field("units").value,
     form: field("form").value,
     seals: +field("deck-seals").value || state.job.seals,
-    compression: said("compression", "mm"),
-    modulus: said("modulus", "MPa"),
+    compression: getQuantity("compression", "mm"),
+    modulus: getQuantity("modulus", "MPa"),
     anyway,
   });
 }
@@ -168,12 +172,12 @@ const acts = {
   profile: files.profile,
   project: files.project,
   cancel,
-  "take-bench": files.takeBench,
+  "take-bench": files.downloadBench,
   "use-machine": files.useMachine,
   folders: () => {
     if (document.body.classList.toggle("folders")) field("folder-name").focus();
   },
-  report: () => files.away({ what: "report" }),
+  report: () => files.download({ what: "report" }),
   choices: () => unfold(),
   "more-checks": moreChecks,
   specimen: () => {
@@ -197,15 +201,15 @@ const acts = {
   },
   forget: async () => {
     await call("DELETE", "/api/session");
-    $("left").hidden = true;
+    $("last-session").hidden = true;
   },
 };
 
-/** What a button says by its data: the name of an attribute, and what is done with its value. */
-/** @type {Record<string, (said: string) => unknown>} */
+/** Actions of the data attributes of a button, each called with the value. */
+/** @type {Record<string, (value: string) => unknown>} */
 const buttons = {
   act: (name) => acts[name]?.(),
-  take: (what) => files.away({ what }),
+  take: (what) => files.download({ what }),
   deck,
   which,
   arms,
@@ -215,12 +219,12 @@ const buttons = {
   sort: lot.sort,
   show: files.show,
   remove: files.remove,
-  base: (said) => {
-    state.base = said === "yes";
+  base: (value) => {
+    state.base = value === "yes";
     settle();
   },
-  mass: (said) => {
-    state.job.mass = said;
+  mass: (value) => {
+    state.job.mass = value;
     fields();
     predict();
     settle();
@@ -232,13 +236,13 @@ const buttons = {
     study();
   },
   keep: (names) => {
-    const kept = names.split(",");
+    const chosenHits = names.split(",");
     const every = all("#hit-table [data-hit]").map((box) => box.dataset.hit || "");
-    const { accept } = state.job.hammer, reject = every.filter((one) => !kept.includes(one));
-    choose({ hammer: { accept: accept.filter((one) => kept.includes(one)), reject } });
+    const { accept } = state.job.hammer, reject = every.filter((hit) => !chosenHits.includes(hit));
+    choose({ hammer: { accept: accept.filter((hit) => chosenHits.includes(hit)), reject } });
   },
-  step: (said) => {
-    const [name, by] = said.split(" ");
+  step: (value) => {
+    const [name, by] = value.split(" ");
     step(name, +by);
   },
   fold: (name) => {
@@ -248,8 +252,8 @@ const buttons = {
     if (open && test() && ["bench", "arms"].includes(name)) settle();
   },
   frfs: (of) => {
-    const one = shown();
-    if (of !== "levels" && one?.level) one.level = "";
+    const openFile = shown();
+    if (of !== "levels" && openFile?.level) openFile.level = "";
     if (of === "points" || of === "masses" || of === "levels" || of === "rod") {
       state.frfs = { ...state.frfs, of };
     }
@@ -267,7 +271,7 @@ document.addEventListener("click", (event) => {
   if (!at.closest("#menu") && button?.dataset.act !== "menu") menu(false);
   if (button?.dataset.act !== "history") steps(false);
   if (!button) return;
-  for (const [name, said] of Object.entries(button.dataset)) buttons[name]?.(said || "");
+  for (const [name, value] of Object.entries(button.dataset)) buttons[name]?.(value || "");
 });
 
 /** @type {Record<string, () => unknown>} */
@@ -334,18 +338,18 @@ function cut(
   /** @type {number | null} */ value,
   /** @type {boolean} */ held,
 ) {
-  const moved = held && name in state.job.time_limits;
+  const wasSet = held && name in state.job.time_limits;
   if (value === null) delete state.job.time_limits[name];
   else state.job.time_limits[name] = value;
-  if (!moved) choices();
-  $("beside").hidden = false;
+  if (!wasSet) choices();
+  $("both-fits").hidden = false;
   if (value !== null) live(name);
   if (!held) settle();
 }
 
 function useHit(/** @type {string} */ name, /** @type {boolean} */ yes) {
   const { accept, reject } = state.job.hammer;
-  const others = (/** @type {string[]} */ list) => list.filter((one) => one !== name);
+  const others = (/** @type {string[]} */ list) => list.filter((hit) => hit !== name);
   state.job.hammer = {
     accept: [...others(accept), ...(yes ? [name] : [])],
     reject: [...others(reject), ...(yes ? [] : [name])],
@@ -355,7 +359,7 @@ function useHit(/** @type {string} */ name, /** @type {boolean} */ yes) {
   study();
 }
 
-/** Seek modes about a pole of the chart that is clicked, a factor to either side. */
+/** Seek modes in a band about the clicked pole of the chart. */
 $("hits-page").addEventListener("click", (event) => {
   const at = poleAt(event, poles);
   if (test() || !at) return;
@@ -381,13 +385,13 @@ const typed = {
     state.job.machine = text ? { ...others, compliance: withUnit(text, "um/N") } : others;
   },
   level: (text) => {
-    const one = shown();
-    if (one) one.level = text && text + levelUnit(one);
+    const openFile = shown();
+    if (openFile) openFile.level = text && text + levelUnit(openFile);
     fileList();
   },
   "frf-mass": (text) => {
-    const one = shown(), grams = inGrams(text);
-    if (one) one.mass = grams && `${grams}g`;
+    const openFile = shown(), grams = inGrams(text);
+    if (openFile) openFile.mass = grams && `${grams}g`;
     fileList();
   },
   "modes-band": (text) => {
@@ -404,35 +408,38 @@ const typed = {
 const COUNTS = ".field, .cuts";
 document.addEventListener("input", (event) => {
   const at = /** @type {HTMLElement} */ (event.target);
-  if (at.closest(COUNTS)) types(true);
+  if (at.closest(COUNTS)) setTyping(true);
 });
 // behind the change, which asks for what was typed
-document.addEventListener("focusout", () => types(false));
+document.addEventListener("focusout", () => setTyping(false));
 
 let pause = 0;
 document.addEventListener("change", (event) => {
   const at = /** @type {HTMLInputElement} */ (event.target), { hit, cut: end } = at.dataset;
   const text = at.value.trim().replace(",", ".");
-  types(false);
+  setTyping(false);
   if (at.id === "pick") {
-    files.take([...(at.files || [])]);
+    files.uploadFiles([...(at.files || [])]);
     at.value = "";
   } else if (hit) useHit(hit, at.checked);
   else if (at.dataset.specimenOf) files.chooseSpecimen(at.dataset.specimenOf, at.value);
-  else if (at.dataset.blank) files.takeAsBlank(at.dataset.blank, at.checked);
+  else if (at.dataset.blank) files.setBlank(at.dataset.blank, at.checked);
   else if (at.dataset.together) files.join(at.dataset.together, at.checked);
   else if (at.dataset.side) {
     state.ab = { ...state.ab, [at.dataset.side]: at.value };
     settle();
   } else if (at.dataset.ask) {
-    const one = shown(), of = one?.page === "part" ? door() : one;
+    const openFile = shown(), of = openFile?.page === "part" ? door() : openFile;
     if (!of) return;
     const kind = kindOf(of), name = at.dataset.ask;
-    state.said = { ...state.said, [kind]: { ...state.said[kind], [name]: at.value.trim() } };
+    state.formValues = {
+      ...state.formValues,
+      [kind]: { ...state.formValues[kind], [name]: at.value.trim() },
+    };
     settle();
   } else if (end) cut(end, Number.isFinite(parseFloat(text)) ? parseFloat(text) : null, false);
   else if (at.id === "limit-lines") {
-    state.limits = { ...state.limits, [limited()]: at.value.trim() };
+    state.limits = { ...state.limits, [getLimitsKind()]: at.value.trim() };
     limit();
   } else if (at.id.startsWith("specimen-")) {
     describe(at.id.slice("specimen-".length), at.value);
@@ -443,12 +450,12 @@ document.addEventListener("change", (event) => {
   }
 });
 
-document.addEventListener("moved", (event) => {
+document.addEventListener("movelimit", (event) => {
   const { name, value, held } = /** @type {CustomEvent} */ (event).detail;
   cut(name, value, held);
 });
 
-/** Change a number by so many steps: curves follow, and it is judged once that stops. */
+/** Change a number by so many steps: curves follow at once, the verdict after a pause. */
 function step(/** @type {string} */ name, /** @type {number} */ by) {
   if (name === "seals") state.job.seals = Math.max(1, Math.round(state.job.seals) + by);
   else {
@@ -511,7 +518,7 @@ addEventListener("drop", (event) => {
   event.preventDefault();
   depth = 0;
   $("dropping").hidden = true;
-  if (event.dataTransfer) files.take([...event.dataTransfer.files]);
+  if (event.dataTransfer) files.uploadFiles([...event.dataTransfer.files]);
 });
 
 let [wide, tall] = [innerWidth, innerHeight];
@@ -525,57 +532,59 @@ addEventListener("resize", () => {
 // -- the beginning --------------------------------------------------------------------------------
 
 for (const [name, words] of Object.entries(DECKS)) {
-  $("decks").append(made("button", { "data-deck": name }, words));
+  $("decks").append(createElement("button", { "data-deck": name }, words));
 }
 
-/** Hold the session: one page at a time does, and the others only show it. */
+/** Take the lock of the session: one page holds it, the others only show it. */
 function hold(/** @type {LockOptions} */ how) {
-  return new Promise((told) => {
-    const asked = navigator.locks.request("session", how, (lock) => {
-      elsewhere(!lock);
-      told(!!lock);
+  return new Promise((resolve) => {
+    const request = navigator.locks.request("session", how, (lock) => {
+      showReadOnly(!lock);
+      resolve(!!lock);
       return lock && new Promise(() => {});
     });
     // another page took it over
-    asked.catch(() => elsewhere(true));
+    request.catch(() => showReadOnly(true));
   });
 }
 
-function elsewhere(/** @type {boolean} */ yes) {
-  onlyRead(yes);
-  shut(yes);
-  document.body.classList.toggle("elsewhere", yes);
-  for (const one of all(".bar, .left, .right, .menu, #grid, .top, #drop, .recent")) one.inert = yes;
+function showReadOnly(/** @type {boolean} */ yes) {
+  setReadOnly(yes);
+  setElsewhere(yes);
+  document.body.classList.toggle("read-only", yes);
+  for (const element of all(".bar, .left, .right, .menu, #grid, .top, #drop, .recent")) {
+    element.inert = yes;
+  }
 }
 
 acts["take-over"] = async () => {
   await hold({ steal: true });
-  // what the other page chose meanwhile
+  // with the choices of the other page
   location.reload();
 };
 
 await hold({ ifAvailable: true });
-const kept = await call("GET", "/api/state").catch(() => ({}));
-if (kept.left) {
-  $("left").hidden = false;
-  $("left-files").textContent = kept.left.files.join(", ");
-  const when = new Date(kept.left.when);
-  $("left-when").textContent = when.toLocaleString(undefined, {
+const session = await call("GET", "/api/state").catch(() => ({}));
+if (session.last_session) {
+  $("last-session").hidden = false;
+  $("last-session-files").textContent = session.last_session.files.join(", ");
+  const when = new Date(session.last_session.when);
+  $("last-session-when").textContent = when.toLocaleString(undefined, {
     dateStyle: "medium",
     timeStyle: "short",
   });
 }
-if (kept.files) {
-  become(kept);
+if (session.files) {
+  restore(session);
   fileList();
   fields();
   views();
   if (state.lot) await lot.showLot();
-  if (state.files.length && !kept.open?.length) settle();
-} else if (!kept.open?.length) fileList();
+  if (state.files.length && !session.open?.length) settle();
+} else if (!session.open?.length) fileList();
 // of the command line, or recorded meanwhile
-if (kept.open?.length) await files.opened(kept.open);
-for (const folder of kept.folders || []) await folders.openFolder(folder);
+if (session.open?.length) await files.openFiles(session.open);
+for (const folder of session.folders || []) await folders.openFolder(folder);
 await folders.list();
 watch.begin();
 document.body.dataset.ready = "true";

@@ -1,11 +1,11 @@
-// Files in and out: opened, asked about, shown, taken away.
-import { $, all, atWork, field, made, status, words } from "./dom.js";
+// Files in and out: open, ask about their columns, show, export.
+import { $, all, countWorking, createElement, field, status, words } from "./dom.js";
 import {
   hammers,
+  isAccessory,
   isBench,
-  isBeside,
   isHammer,
-  isHitsAlone,
+  isHammerOnly,
   isModes,
   isTest,
   job,
@@ -18,143 +18,151 @@ import {
 import { bench, settle, study } from "./questions.js";
 import { fileList, views } from "./shown.js";
 import { refuse, settled } from "./verdict.js";
-import { ask, call, cancelled, send, watched } from "./wire.js";
+import { askQueued, call, cancelled, fetchFileStates, send } from "./wire.js";
 
 /** @typedef {import("./job.js").OpenFile} OpenFile */
 
 const LINGER = 10_000;
-/** Of the identity of a file; what follows says which specimen of it is read. */
+/** Digits of the identity of a file; the rest is the specimen that is read. */
 const DIGITS = 16;
-/** After which a reading can be cancelled, ms: before, it is done sooner. */
+/** Time after which reading can be cancelled, ms. */
 const PATIENCE = 300;
 
-async function look(/** @type {OpenFile} */ one) {
-  const { head } = await send("inspect", { file: one.id, options: one.options });
-  const specimens = head.specimens?.length ? head.specimens : one.specimens || [];
-  Object.assign(one, head, { asked: head.asked || "", specimens });
-  if (isTest(one) || isHammer(one) || (isBench(one) && one.page !== "part")) one.asked = "";
+async function inspect(/** @type {OpenFile} */ openFile) {
+  const { head } = await send("inspect", { file: openFile.id, options: openFile.options });
+  const specimens = head.specimens?.length ? head.specimens : openFile.specimens || [];
+  Object.assign(openFile, head, { question: head.question || "", specimens });
+  if (isTest(openFile) || isHammer(openFile) || (isBench(openFile) && openFile.page !== "part")) {
+    openFile.question = "";
+  }
 }
 
-/** Of which contents a file is: known no later than what is judged of them. */
-async function stamp(/** @type {OpenFile} */ one) {
-  const at = (await watched([one.id]).catch(() => ({})))[one.id];
-  if (at) Object.assign(one, { hash: at.sha256, when: at.when });
+/** Set hash and time of the contents of a file. */
+async function readStamp(/** @type {OpenFile} */ openFile) {
+  const at = (await fetchFileStates([openFile.id]).catch(() => ({})))[openFile.id];
+  if (at) Object.assign(openFile, { hash: at.sha256, when: at.when });
 }
 
-/** Read a file; what it is refused for stands at its name. */
-export async function read(/** @type {OpenFile} */ one) {
-  const stamped = stamp(one);
+/** Read a file; return the refusal, which is also shown at its name. */
+export async function read(/** @type {OpenFile} */ openFile) {
+  const stamped = readStamp(openFile);
   try {
-    await look(one);
+    await inspect(openFile);
     return "";
   } catch (error) {
-    const said = words(error);
-    const why = said.startsWith(`${one.name}: `) ? said.slice(one.name.length + 2) : said;
-    Object.assign(one, {
+    const message = words(error);
+    const why = message.startsWith(`${openFile.name}: `)
+      ? message.slice(openFile.name.length + 2)
+      : message;
+    Object.assign(openFile, {
       mark: "bad",
       page: "",
-      asked: "",
-      line: said === cancelled ? "not read" : why,
+      question: "",
+      line: message === cancelled ? "not read" : why,
     });
-    return said;
+    return message;
   } finally {
     await stamped;
   }
 }
 
-/** What the user chose in the browser, by identity: the browser tells of each whether it changed. */
+/** Files chosen in the browser, by identity: the browser knows whether each changed. */
 /** @type {Map<string, File>} */
 export const picked = new Map();
 
-/** Give a file another identity: what was chosen of it goes on. */
-function rename(/** @type {OpenFile} */ one, /** @type {string} */ id) {
-  const was = one.id;
-  Object.assign(one, { id, mark: "", line: "", hash: "", watch: "" });
+/** Give a file another identity; its options stay. */
+function rename(/** @type {OpenFile} */ openFile, /** @type {string} */ id) {
+  const was = openFile.id;
+  Object.assign(openFile, { id, mark: "", line: "", hash: "", watch: "" });
   if (state.current === was) state.current = id;
   for (const side of /** @type {("a" | "b")[]} */ (["a", "b"])) {
     state.ab[side] = state.ab[side].replace(was, id);
   }
 }
 
-/** Read a file again: from now on it is another one, of the same name and choices. */
+/** Read a changed file again, with the same name and options. */
 export async function readAgain(
-  /** @type {OpenFile} */ one,
-  /** @type {{id: string, name: string}} */ found,
+  /** @type {OpenFile} */ openFile,
+  /** @type {{id: string, name: string}} */ newFile,
 ) {
-  const was = one.id, at = new Date().toLocaleTimeString();
-  status(`${one.name} changed, it is read again`);
+  const was = openFile.id, at = new Date().toLocaleTimeString();
+  status(`${openFile.name} changed, it is read again`);
   const [file, part] = [was.slice(0, DIGITS), was.slice(DIGITS)];
-  rename(one, found.id + part);
-  for (const other of one.specimens || []) other.id = other.id.replace(file, found.id);
+  rename(openFile, newFile.id + part);
+  for (const other of openFile.specimens || []) other.id = other.id.replace(file, newFile.id);
   picked.delete(was);
   fileList();
-  await read(one);
-  one.again = at;
+  await read(openFile);
+  openFile.again = at;
   fileList();
-  status(`${one.name} changed, read again at ${at}`);
+  status(`${openFile.name} changed, read again at ${at}`);
 }
 
-/** Read files that the server has, and show the first that asks something. */
-export async function opened(
-  /** @type {{id: string, name: string}[]} */ found,
-  /** @type {(id: string) => Partial<OpenFile>} */ known = () => ({}),
+/** Read files of the server, and show the first with a question. */
+export async function openFiles(
+  /** @type {{id: string, name: string}[]} */ files,
+  /** @type {(id: string) => Partial<OpenFile>} */ getDefaults = () => ({}),
 ) {
-  const already = new Set(state.files.map((one) => one.id));
+  const openIds = new Set(state.files.map((openFile) => openFile.id));
   /** @type {OpenFile[]} */
-  const added = found.filter((one) => !already.has(one.id))
-    .map((one) => ({ ...one, options: {}, ...known(one.id) }));
+  const added = files.filter((openFile) => !openIds.has(openFile.id))
+    .map((openFile) => ({ ...openFile, options: {}, ...getDefaults(openFile.id) }));
   state.files.push(...added);
   fileList();
   const at = state.current;
-  let offered = false;
+  let canCancel = false;
   const slow = setTimeout(() => {
-    offered = true;
-    atWork(1);
+    canCancel = true;
+    countWorking(1);
   }, PATIENCE);
-  for (const one of added) {
-    status(`reading ${one.name}`);
-    const said = await read(one);
-    if (!said || said === cancelled) continue;
-    const about = said.startsWith(one.name) ? said : `${one.name}: ${said}`;
-    refuse(about, "file", { words: `Remove ${one.name}`, remove: one.id });
+  for (const openFile of added) {
+    status(`reading ${openFile.name}`);
+    const message = await read(openFile);
+    if (!message || message === cancelled) continue;
+    const about = message.startsWith(openFile.name) ? message : `${openFile.name}: ${message}`;
+    refuse(about, "file", { words: `Remove ${openFile.name}`, remove: openFile.id });
   }
   clearTimeout(slow);
-  if (offered) atWork(-1);
-  const asks = added.find((one) => one.asked);
-  const first = added.find((one) => one.page === "test") || added.find(isHitsAlone) ||
-    added.find((one) => isBench(one) && !(isModes(one) && test()));
-  const record = [...added, ...state.files].find((one) => !isBeside(one));
-  const next = (asks || first || shown() || record || added[0] || state.files[0])?.id || "";
-  // what the user chose while they were read is kept: what is typed then is of that file
+  if (canCancel) countWorking(-1);
+  const asking = added.find((openFile) => openFile.question);
+  const first = added.find((openFile) => openFile.page === "test") || added.find(isHammerOnly) ||
+    added.find((openFile) => isBench(openFile) && !(isModes(openFile) && test()));
+  const record = [...added, ...state.files].find((openFile) => !isAccessory(openFile));
+  const next = (asking || first || shown() || record || added[0] || state.files[0])?.id || "";
+  // a file that the user chose meanwhile stays shown
   if (state.current === at || !shown()) state.current = next;
   fileList();
   settle();
 }
 
 /** Send files to the server, and read them. */
-export async function take(/** @type {Iterable<File>} */ list) {
+export async function uploadFiles(/** @type {Iterable<File>} */ list) {
   refuse("", "file");
-  const found = [];
+  const sentFiles = [];
   for (const file of list) {
     status(`opening ${file.name}`);
     try {
-      const asked = new URLSearchParams({ name: file.name, modified: String(file.lastModified) });
-      const sent = await call("POST", `/api/files?${asked}`, file);
+      const query = new URLSearchParams({
+        name: file.name,
+        modified: String(file.lastModified),
+      });
+      const sent = await call("POST", `/api/files?${query}`, file);
       picked.set(sent.id, file);
-      const old = state.files.filter((one) =>
-        one.name === file.name && one.watch === "stale" && !one.id.startsWith(sent.id)
+      const old = state.files.filter((openFile) =>
+        openFile.name === file.name && openFile.watch === "stale" &&
+        !openFile.id.startsWith(sent.id)
       );
-      for (const one of old) {
-        await readAgain(one, sent);
-        picked.set(one.id, file);
+      for (const openFile of old) {
+        await readAgain(openFile, sent);
+        picked.set(openFile.id, file);
       }
       if (old.length) settle();
-      else found.push(sent);
+      else sentFiles.push(sent);
     } catch (error) {
       refuse(words(error), "file");
     }
   }
-  await opened(found);
+  await openFiles(sentFiles);
 }
 
 export async function example() {
@@ -163,13 +171,15 @@ export async function example() {
   const example = await call("POST", "/api/example");
   state.job.mass = example.mass;
   state.job.seals = example.seals;
-  await opened(example.files);
+  await openFiles(example.files);
 }
 
 export function show(/** @type {string} */ id) {
   const before = test();
-  // what goes with a record has no page of its own
-  if (state.files.some((one) => one.id === id && isBeside(one)) && shown()) return;
+  // limits and machine files have no page
+  if (state.files.some((openFile) => openFile.id === id && isAccessory(openFile)) && shown()) {
+    return;
+  }
   if (state.against === "all") state.against = "";
   state.current = id;
   fileList();
@@ -182,7 +192,7 @@ export function show(/** @type {string} */ id) {
 /** Show the file so many places further on. */
 export function step(/** @type {number} */ by) {
   const { files, current } = state, n = files.length;
-  const i = files.findIndex((one) => one.id === current);
+  const i = files.findIndex((openFile) => openFile.id === current);
   if (n) show(files[(i + by + n) % n].id);
 }
 
@@ -190,8 +200,8 @@ export function remove(/** @type {string} */ id) {
   if (id === LOT) state.lot = "";
   refuse("", "file");
   refuse("");
-  state.files = state.files.filter((one) => one.id !== id);
-  state.current = (state.files.find((one) => !isBeside(one)) || state.files[0])?.id ||
+  state.files = state.files.filter((openFile) => openFile.id !== id);
+  state.current = (state.files.find((openFile) => !isAccessory(openFile)) || state.files[0])?.id ||
     (state.lot && LOT);
   if (!hammers().length) state.joint = false;
   state.job.time_limits = {};
@@ -200,36 +210,36 @@ export function remove(/** @type {string} */ id) {
   settle();
 }
 
-/** Take a record for a blank test of the machine, or for that of a seal. */
-export async function takeAsBlank(/** @type {string} */ id, /** @type {boolean} */ yes) {
-  const one = state.files.find((file) => file.id === id);
-  if (!one) return;
-  const { kind: _, ...options } = one.options;
-  one.options = yes ? { ...options, kind: "blank" } : options;
+/** Set whether a record is a blank test of the machine. */
+export async function setBlank(/** @type {string} */ id, /** @type {boolean} */ yes) {
+  const openFile = state.files.find((file) => file.id === id);
+  if (!openFile) return;
+  const { kind: _, ...options } = openFile.options;
+  openFile.options = yes ? { ...options, kind: "blank" } : options;
   refuse("", "file");
-  await read(one);
+  await read(openFile);
   fileList();
   settle();
 }
 
 export function join(/** @type {string} */ id, /** @type {boolean} */ yes) {
-  const one = state.files.find((file) => file.id === id), of = test();
-  if (one) one.together = yes;
+  const openFile = state.files.find((file) => file.id === id), of = test();
+  if (openFile) openFile.together = yes;
   if (yes && of) of.together = true;
   fileList();
   settle();
 }
 
-// -- what is asked of a file ----------------------------------------------------------------------
+// -- columns of a file --------------------------------------------------------------------------------
 
-function answers() {
-  const one = shown();
-  if (!one) return null;
-  // another specimen may have other columns: of these only what is not as it was found is said
-  const changed = specimensChosen(one).length > 0;
+function readAnswers() {
+  const openFile = shown();
+  if (!openFile) return null;
+  // another specimen may have other columns: send only roles that differ from the recognised ones
+  const changed = getChosenSpecimens(openFile).length > 0;
   /** @type {import("./job.js").Options} */
-  const options = { ...one.options, units: { ...one.options.units } };
-  // what was answered before and is not chosen now is taken back
+  const options = { ...openFile.options, units: { ...openFile.options.units } };
+  // an earlier answer that is not chosen now is removed
   const roles = [...(document.querySelector("[data-role-of]")?.querySelectorAll("option") || [])]
     .map((role) => role.value).filter((role) => role);
   for (const role of roles) if (!changed) delete options[role];
@@ -253,47 +263,54 @@ function answers() {
     refuse(`'${rate?.value}' is no sampling rate; expected a number, for example 1000`, "file");
     return null;
   }
-  return { one, options };
+  return { openFile, options };
 }
 
 /** The specimens that are chosen where a file asks for one, or all that it has. */
-function specimensChosen(/** @type {OpenFile} */ one) {
+function getChosenSpecimens(/** @type {OpenFile} */ openFile) {
   /** @type {HTMLSelectElement | null} */
   const select = document.querySelector("[data-specimen]");
-  const every = one.specimens || [];
+  const every = openFile.specimens || [];
   return select?.value === "all" ? every : every.filter(({ id }) => id === select?.value);
 }
 
 /** Read specimens of a file, each as a file by itself, in its place. */
 async function readSpecimens(
-  /** @type {OpenFile} */ one,
+  /** @type {OpenFile} */ openFile,
   /** @type {import("./job.js").Specimen[]} */ specimens,
 ) {
-  const file = picked.get(one.id), anew = { mark: "", line: "", hash: "", watch: "", asked: "" };
+  const file = picked.get(openFile.id),
+    reset = { mark: "", line: "", hash: "", watch: "", question: "" };
   if (file) { for (const { id } of specimens) picked.set(id, file); }
-  state.files = state.files.filter((each) => each !== one);
+  state.files = state.files.filter((each) => each !== openFile);
   state.current = specimens[0].id;
-  await opened(specimens.map(({ id }) => ({ id, name: one.name })), (id) => {
+  await openFiles(specimens.map(({ id }) => ({ id, name: openFile.name })), (id) => {
     const { label, options } = specimens.find((each) => each.id === id) || specimens[0];
-    return { ...one, ...anew, id, specimen: label, options: { ...one.options, ...options } };
+    return {
+      ...openFile,
+      ...reset,
+      id,
+      specimen: label,
+      options: { ...openFile.options, ...options },
+    };
   });
 }
 
 /** Read another specimen of an open file. */
 export async function chooseSpecimen(/** @type {string} */ id, /** @type {string} */ to) {
-  const one = state.files.find((file) => file.id === id);
-  const chosen = one?.specimens?.filter((specimen) => specimen.id === to) || [];
-  if (one && chosen.length) await readSpecimens(one, chosen);
+  const openFile = state.files.find((file) => file.id === id);
+  const chosen = openFile?.specimens?.filter((specimen) => specimen.id === to) || [];
+  if (openFile && chosen.length) await readSpecimens(openFile, chosen);
 }
 
 export async function answer() {
-  const given = answers();
-  if (!given) return;
-  given.one.options = given.options;
-  const chosen = specimensChosen(given.one);
-  if (chosen.length) return readSpecimens(given.one, chosen);
+  const reading = readAnswers();
+  if (!reading) return;
+  reading.openFile.options = reading.options;
+  const chosen = getChosenSpecimens(reading.openFile);
+  if (chosen.length) return readSpecimens(reading.openFile, chosen);
   try {
-    await look(given.one);
+    await inspect(reading.openFile);
     refuse("", "file");
   } catch (error) {
     refuse(words(error), "file");
@@ -303,18 +320,18 @@ export async function answer() {
 }
 
 export async function profile() {
-  const given = answers();
-  if (given) save((await send("profile", { options: given.options })).head);
+  const reading = readAnswers();
+  if (reading) save((await send("profile", { options: reading.options })).head);
 }
 
-// -- what is taken away ---------------------------------------------------------------------------
+// -- export ---------------------------------------------------------------------------------------
 
 /** Save a file: its text, or the bytes of an archive in base 64. */
 function save(/** @type {{name: string, kind: string, text?: string, base64?: string}} */ file) {
   const { text, base64 = "" } = file;
-  const content = text ?? Uint8Array.from(atob(base64), (one) => one.charCodeAt(0));
+  const content = text ?? Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
   const href = URL.createObjectURL(new Blob([content], { type: file.kind }));
-  const link = made("a", { href, download: file.name });
+  const link = createElement("a", { href, download: file.name });
   document.body.append(link);
   link.click();
   link.remove();
@@ -322,7 +339,7 @@ function save(/** @type {{name: string, kind: string, text?: string, base64?: st
   return `saved ${file.name}`;
 }
 
-/** Ask for what is taken away, and say what `done` makes of the answer; it can be cancelled. */
+/** Request a download and show the text that `done` returns; it can be cancelled. */
 function make(
   /** @type {string} */ verb,
   /** @type {any} */ request,
@@ -330,52 +347,52 @@ function make(
   /** @type {(head: any) => string} */ done,
 ) {
   status(`making ${what}`);
-  atWork(1);
-  const over = (/** @type {string} */ said) => {
-    atWork(-1);
-    status(said);
+  countWorking(1);
+  const finish = (/** @type {string} */ message) => {
+    countWorking(-1);
+    status(message);
   };
-  // beside the page's own questions: what is shown is wanted, too
-  ask("take", verb, request, ({ head }) => {
-    notTaken("", verb);
-    over(done(head));
-  }, (said) => {
-    if (said !== cancelled) notTaken(said, verb);
-    over(said === cancelled ? said : "not made");
-  }, () => atWork(-1));
+  // in its own queue: the requests of the page go on
+  askQueued("take", verb, request, ({ head }) => {
+    showNotMade("", verb);
+    finish(done(head));
+  }, (message) => {
+    if (message !== cancelled) showNotMade(message, verb);
+    finish(message === cancelled ? message : "not made");
+  }, () => countWorking(-1));
 }
 
-/** Say in the menu why there is nothing to export, where its choices are. */
-function notTaken(/** @type {string} */ said, /** @type {string} */ verb) {
-  if (verb.startsWith("take-")) return refuse(said, "fit");
-  $("not-taken").textContent = said;
-  $("not-taken").hidden = !said;
-  if (!said) return;
+/** Show in the menu why the export failed. */
+function showNotMade(/** @type {string} */ message, /** @type {string} */ verb) {
+  if (verb.startsWith("take-")) return refuse(message, "fit");
+  $("not-taken").textContent = message;
+  $("not-taken").hidden = !message;
+  if (!message) return;
   $("menu").hidden = false;
   $("anyway").focus();
 }
 
-/** The fit of what the page fits by itself. */
-export function takeBench() {
+/** Download the fit of the shown file. */
+export function downloadBench() {
   const of = bench();
   if (of) make(`take-${of.verb}`, of.request, "fit", save);
 }
 
-/** The machine of blank tests, opened as the machine of the tests. */
+/** Open the machine file of blank tests as the machine of the tests. */
 export function useMachine() {
   const of = bench();
   if (!of) return;
   make(`take-${of.verb}`, of.request, "the machine file", (/** @type {any} */ file) => {
-    take([new File([file.text], file.name, { type: file.kind })]);
+    uploadFiles([new File([file.text], file.name, { type: file.kind })]);
     return `${file.name} is open`;
   });
 }
 
-/** The solid that stands on the page: nothing else is taken away as "the model". */
+/** Identity of the model shown on the page: only this one is exported. */
 const solidShown = () => document.querySelector("[data-solid]")?.getAttribute("data-solid");
 
-export function away(/** @type {Record<string, any>} */ what) {
-  // what is about to change is of no solid that stands on the page
+export function download(/** @type {Record<string, any>} */ what) {
+  // a pending change is not in the shown model
   if (!settled()) return status("not checked yet: nothing to export");
   const { joint } = state, solid = solidShown(), model = ["fit", "deck"].includes(what.what);
   const request = { job: job(), limits: limits(), ...what, ...(model && { joint, solid }) };

@@ -1,7 +1,7 @@
-// Folders: projects that were kept, lots, and what was opened last.
-import { $, field, made, status, words } from "./dom.js";
-import { opened } from "./files.js";
-import { become, LOT, remember, state } from "./job.js";
+// Folders: saved projects, lots, and recently opened ones.
+import { $, createElement, field, status, words } from "./dom.js";
+import { openFiles } from "./files.js";
+import { LOT, remember, restore, state } from "./job.js";
 import * as lot from "./lot.js";
 import { settle } from "./questions.js";
 import { fileList, views } from "./shown.js";
@@ -30,53 +30,63 @@ function showTable(/** @type {any} */ head) {
   remember();
   fileList();
   views();
-  lot.take(head);
+  lot.uploadFiles(head);
 }
 
 async function showProject(/** @type {any} */ head) {
   const { tests, hammers, job, joint, temperatures, reading, reading_impact } = head;
-  become({ lot: state.lot });
+  restore({ lot: state.lot });
   Object.assign(state.job, { ...job, hammer: { ...state.job.hammer, ...job.hammer } });
   state.joint = joint && hammers.length > 0;
   field("folder").value = head.folder;
-  await opened([...tests, ...hammers], (/** @type {string} */ id) => {
-    const i = tests.findIndex((/** @type {{id: string}} */ one) => one.id === id);
-    const warmth = temperatures[Math.min(i, temperatures.length - 1)];
+  await openFiles([...tests, ...hammers], (/** @type {string} */ id) => {
+    const i = tests.findIndex((/** @type {{id: string}} */ entry) => entry.id === id);
+    const temperature = temperatures[Math.min(i, temperatures.length - 1)];
     return i < 0
       ? { options: reading_impact }
-      : { options: reading, together: tests.length > 1, temperature: warmth };
+      : { options: reading, together: tests.length > 1, temperature: temperature };
   });
 }
 
-/** Open a test of the lot, with the choices that its row was made by: hash and part of its file. */
+/** Open a test of the lot with the options of its row, by hash and part of its file. */
 export async function openRow(/** @type {string} */ which) {
   const [sha256, ...part] = which.split(" ");
   refuse("", "file");
   try {
     const { head } = await send("row", { folder: state.lot, sha256, part: part.join(" ") });
     Object.assign(state.job, head.job, { time_limits: {} });
-    if (state.files.some((one) => one.id === head.files[0].id)) {
+    if (state.files.some((entry) => entry.id === head.files[0].id)) {
       state.current = head.files[0].id;
       fileList();
       settle();
     } else {
       const { options = {}, specimen } = head.files[0];
-      await opened(head.files, () => ({ options, specimen }));
+      await openFiles(head.files, () => ({ options, specimen }));
     }
   } catch (error) {
     refuse(words(error), "file");
   }
 }
 
-/** The folders that were kept or opened last. */
+/** Show the recently saved or opened folders. */
 export async function list() {
   const { head } = await send("recent", {}).catch(() => ({ head: { recent: [] } }));
   $("recent").hidden = !head.recent.length;
   $("recent-list").replaceChildren(
-    ...head.recent.map((/** @type {{folder: string, name: string, when: string}} */ one) => {
-      const when = new Date(one.when).toLocaleDateString(undefined, { dateStyle: "medium" });
-      const open = made("button", { class: "link", "data-folder": one.folder }, one.name);
-      return made("li", {}, open, made("span", { class: "soft" }, one.folder), when);
+    ...head.recent.map((/** @type {{folder: string, name: string, when: string}} */ entry) => {
+      const when = new Date(entry.when).toLocaleDateString(undefined, { dateStyle: "medium" });
+      const open = createElement(
+        "button",
+        { class: "link", "data-folder": entry.folder },
+        entry.name,
+      );
+      return createElement(
+        "li",
+        {},
+        open,
+        createElement("span", { class: "soft" }, entry.folder),
+        when,
+      );
     }),
   );
 }

@@ -1,5 +1,5 @@
-// A handle on the time axis of a panel: by pointer, by touch, by keyboard; a slider to who cannot
-// see it. What it is moved to it tells as an event "moved" of name, value (null: as found) and held.
+// A handle on the time axis of a panel, for pointer, touch and keyboard; a slider to a screen reader.
+// A move is an event "movelimit" of name, value (null: as found) and held.
 
 /** @typedef {import("../../../plot/charts.js").Figure} Figure */
 /** @typedef {import("./panels.js").Clock} Clock */
@@ -24,66 +24,66 @@ export class Handle {
     this.held = false;
     this.begun = this.grip = 0;
     /** @type {Ground | null} */
-    this.stays = null;
+    this.startGround = null;
     /** @type {Clock} */
     this.clock = { first: 0, last: 1, step: 0.001 };
     /** @type {Figure | null} */
     this.figure = null;
-    this.element = this.made();
-    document.addEventListener("zoomed", () => this.put());
-    addEventListener("resize", () => this.put());
+    this.element = this.build();
+    document.addEventListener("zoomed", () => this.draw());
+    addEventListener("resize", () => this.draw());
   }
 
-  made() {
-    const made = document.createElement("button"), words = document.createElement("span");
+  build() {
+    const handle = document.createElement("button"), words = document.createElement("span");
     const both = document.createElement("i");
-    made.className = "handle";
+    handle.className = "handle";
     both.setAttribute("aria-hidden", "true");
     for (const sign of ["\u2039", "\u203a"]) {
       both.append(Object.assign(document.createElement("b"), { textContent: sign }));
     }
-    made.setAttribute("role", "slider");
-    made.setAttribute("aria-label", this.label);
+    handle.setAttribute("role", "slider");
+    handle.setAttribute("aria-label", this.label);
     words.textContent = this.label;
     words.setAttribute("aria-hidden", "true");
-    made.append(words, both);
-    made.addEventListener("dblclick", () => this.ask());
-    made.addEventListener("pointerdown", (event) => {
+    handle.append(words, both);
+    handle.addEventListener("dblclick", () => this.askQueued());
+    handle.addEventListener("pointerdown", (event) => {
       event.preventDefault();
-      made.focus();
-      made.setPointerCapture(event.pointerId);
-      this.stays = this.ground();
+      handle.focus();
+      handle.setPointerCapture(event.pointerId);
+      this.startGround = this.ground();
       this.held = true;
       this.begun = this.value;
-      const { left, width } = made.getBoundingClientRect();
+      const { left, width } = handle.getBoundingClientRect();
       this.grip = event.clientX - left - width / 2;
-      made.classList.add("held");
+      handle.classList.add("held");
     });
-    made.addEventListener("pointermove", (event) => {
+    handle.addEventListener("pointermove", (event) => {
       if (this.held) this.to(this.under(event.clientX - this.grip));
     });
     const drop = () => {
       if (!this.held) return;
       this.held = false;
-      made.classList.remove("held");
-      if (this.value !== this.begun) this.tell(this.value, false);
+      handle.classList.remove("held");
+      if (this.value !== this.begun) this.setText(this.value, false);
     };
-    made.addEventListener("pointerup", drop);
-    made.addEventListener("pointercancel", drop);
-    made.addEventListener("keydown", (event) => this.key(event));
-    made.addEventListener("keyup", (event) => {
-      if (ENDS_STEP.test(event.key)) this.tell(this.value, false);
+    handle.addEventListener("pointerup", drop);
+    handle.addEventListener("pointercancel", drop);
+    handle.addEventListener("keydown", (event) => this.key(event));
+    handle.addEventListener("keyup", (event) => {
+      if (ENDS_STEP.test(event.key)) this.setText(this.value, false);
     });
-    return made;
+    return handle;
   }
 
-  tell(/** @type {number | null} */ value, /** @type {boolean} */ held) {
+  setText(/** @type {number | null} */ value, /** @type {boolean} */ held) {
     const detail = { name: this.name, value, held };
-    this.element.dispatchEvent(new CustomEvent("moved", { bubbles: true, detail }));
+    this.element.dispatchEvent(new CustomEvent("movelimit", { bubbles: true, detail }));
   }
 
-  /** Let its number be typed. */
-  ask() {
+  /** Ask for its number, to be typed. */
+  askQueued() {
     this.element.dispatchEvent(new CustomEvent("number", { bubbles: true, detail: this.name }));
   }
 
@@ -91,7 +91,7 @@ export class Handle {
     this.element.classList.toggle("by-hand", yes);
   }
 
-  /** Be at a value on the clock of the record, the axis counts from `shift`; true if that is new. */
+  /** Set the value, on the clock of the record (the axis begins at `shift`); true if it changed. */
   place(
     /** @type {Figure | null | undefined} */ figure,
     /** @type {number} */ value,
@@ -104,14 +104,15 @@ export class Handle {
       return false;
     }
     const to = this.held ? this.value : value;
-    const stands = this.figure === figure && this.value === to && this.shift === shift && !clock;
+    const hasPartialAnswer = this.figure === figure && this.value === to && this.shift === shift &&
+      !clock;
     this.figure = figure;
     this.clock = clock || this.clock;
     this.shift = shift;
     this.value = to;
     // beside the drawing, not in it: one that is drawn anew must not take the focus away
     if (this.element.parentElement !== card) card.append(this.element);
-    return !stands;
+    return !hasPartialAnswer;
   }
 
   /**
@@ -120,15 +121,15 @@ export class Handle {
    */
   ground() {
     const card = this.element.parentElement, figure = this.figure;
-    if (this.held && figure && this.stays?.figure === figure) return this.stays;
+    if (this.held && figure && this.startGround?.figure === figure) return this.startGround;
     if (!figure?.svg.isConnected || !card) return null;
     const { svg, panels: [axes] } = figure, on = svg.getBoundingClientRect();
     const scale = on.width / svg.viewBox.baseVal.width;
     return { figure, axes, on, scale, about: card.getBoundingClientRect() };
   }
 
-  /** Stand there. */
-  put(ground = this.ground()) {
+  /** Draw the handle at its value. */
+  draw(ground = this.ground()) {
     if (!ground) return;
     const { axes, on, scale, about } = ground;
     const [x, y, w, h] = axes.box, [x0, , x1] = axes.view;
@@ -162,14 +163,14 @@ export class Handle {
     const { first, last, step } = this.clock, within = Math.min(Math.max(value, first), last);
     const snapped = first + Math.round((within - first) / step) * step;
     this.value = +snapped.toPrecision(12);
-    this.put();
-    this.tell(this.value, true);
+    this.draw();
+    this.setText(this.value, true);
   }
 
   key(/** @type {KeyboardEvent} */ event) {
     const step = this.clock.step * (event.shiftKey ? 10 : 1);
     /** @type {Record<string, number>} */
-    const moves = {
+    const showProgress = {
       ArrowLeft: -step,
       ArrowDown: -step,
       ArrowRight: step,
@@ -177,18 +178,18 @@ export class Handle {
       PageDown: -100 * step,
       PageUp: 100 * step,
     };
-    if (event.key in moves) {
+    if (event.key in showProgress) {
       event.preventDefault();
       event.stopPropagation();
-      this.to(this.value + moves[event.key]);
+      this.to(this.value + showProgress[event.key]);
     }
     if (event.key === "Enter") {
       event.preventDefault();
-      this.ask();
+      this.askQueued();
     }
     if (event.key === "Home") {
       event.preventDefault();
-      this.tell(null, false);
+      this.setText(null, false);
     }
   }
 }

@@ -1,4 +1,4 @@
-// What is asked: the open files and the choices, a job for the server, and the way back.
+// The state of the page: open files and options, the job for the server, and the history.
 import { $, all } from "./dom.js";
 import { call } from "./wire.js";
 
@@ -13,7 +13,7 @@ import { call } from "./wire.js";
  * @property {string} [page] Where it is taken, as the register of kinds says: "test", "hammer", ...
  * @property {string} [line]
  * @property {string} [mark]
- * @property {string} [asked]
+ * @property {string} [question]
  * @property {Specimen[]} [specimens] Of which the file asked one
  * @property {string} [specimen] The one that is read, if there are several
  * @property {boolean} [simulated]
@@ -21,8 +21,8 @@ import { call } from "./wire.js";
  * @property {boolean} [together]
  * @property {string} [temperature]
  * @property {string} [mass] On the seals in an FRF, where several differ in it
- * @property {{name: string, label: string, unit: string, choices: string[], each: boolean}[]} [asks] Fields of its kind
- * @property {boolean} [alone] Whether it is judged by itself
+ * @property {{name: string, label: string, unit: string, choices: string[], each: boolean}[]} [form_fields] Fields of its kind
+ * @property {boolean} [takes_one_file] Whether it is judged by itself
  * @property {string} [hash] Of its contents, SHA-256
  * @property {string} [when] Time of its contents
  * @property {string} [watch] What became of it on disk: "", "writing", "gone", "changed", "stale"
@@ -43,18 +43,18 @@ import { call } from "./wire.js";
  * @property {Record<string, string>} machine What is known of it where no machine file is open
  * @property {{accept: string[], reject: string[]}} hammer
  */
-/** @typedef {{key: string, words: string, kept: string}} Step A choice, and the state after it */
+/** @typedef {{key: string, words: string, saved: string}} Step A choice, and the state after it */
 /** @typedef {{at: string, law: string}} OfLevels Forces at which a resonance is asked for, and the law */
 /** @typedef {{of: "points" | "masses" | "levels" | "rod", band: string}} OfFRFs In what several FRFs differ, and where modes are sought */
-/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: "" | "ab" | "all", ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, said: Record<string, Record<string, string>>, limits: Record<string, string>, past: Step[], job: Choices}} State */
+/** @typedef {{files: OpenFile[], current: string, joint: boolean, base: boolean, against: "" | "ab" | "all", ab: {a: string, b: string}, phase: boolean, lot: string, levels: OfLevels, frfs: OfFRFs, formValues: Record<string, Record<string, string>>, limits: Record<string, string>, past: Step[], job: Choices}} State */
 
-/** What is shown where no file is. */
+/** Value of `current` while a lot is shown. */
 export const LOT = "lot";
 const STEPS_BACK = 30;
 const KEY = 18;
 
-/** What a job is of which nothing was said: declared where commands have it from. */
-const usual = JSON.parse($("usual").textContent || "");
+/** Default options of a job, from the declaration of the commands. */
+const defaults = JSON.parse($("defaults").textContent || "");
 
 /** @returns {State} */
 const fresh = () => ({
@@ -68,102 +68,115 @@ const fresh = () => ({
   lot: "",
   levels: { at: "", law: "auto" },
   frfs: { of: "points", band: "" },
-  said: {},
+  formValues: {},
   limits: {},
   past: [],
-  job: { ...usual, time_limits: {}, specimen: {}, machine: {}, hammer: { accept: [], reject: [] } },
+  job: {
+    ...defaults,
+    time_limits: {},
+    specimen: {},
+    machine: {},
+    hammer: { accept: [], reject: [] },
+  },
 });
 
 export let state = fresh();
 
-export function become(/** @type {Partial<State>} */ kept) {
-  state = { ...fresh(), ...kept };
+export function restore(/** @type {Partial<State>} */ saved) {
+  state = { ...fresh(), ...saved };
   if (!["ab", "all"].includes(state.against)) state.against = "";
 }
 
-/** @returns {(one: OpenFile) => boolean} */
-const isTaken = (/** @type {string[]} */ ...pages) => (one) =>
-  pages.includes(one.page || "") && one.mark === "good";
-export const isTest = isTaken("test");
-export const isHits = isTaken("hammer");
-export const isResponse = isTaken("response", "base");
+/** @returns {(openFile: OpenFile) => boolean} */
+const isReadAs = (/** @type {string[]} */ ...pages) => (openFile) =>
+  pages.includes(openFile.page || "") && openFile.mark === "good";
+export const isTest = isReadAs("test");
+export const isHits = isReadAs("hammer");
+export const isResponse = isReadAs("response", "base");
 /** An FRF that is taken for that of a mass on a rod. */
-export const isRod = (/** @type {OpenFile} */ one) => isResponse(one) && state.frfs.of === "rod";
+export const isRod = (/** @type {OpenFile} */ openFile) =>
+  isResponse(openFile) && state.frfs.of === "rod";
 /** A door, among the files that are its parts. */
-export const door = () => state.files.find((one) => one.kind === "door");
-/** A kind that stands alone, or part of a door that is open. */
-export const isJudged = (/** @type {OpenFile} */ one) =>
-  isTaken("judged")(one) || isRod(one) || (one.page === "part" && !!door());
-export const kindOf = (/** @type {OpenFile} */ one) => isRod(one) ? "rod" : one.kind || "";
-/** The files that are judged together with one: all of its kind, but for what is one hit or rod. */
-export const alike = (/** @type {OpenFile} */ one) =>
-  one.alone || one.specimen
-    ? [one]
+export const door = () => state.files.find((openFile) => openFile.kind === "door");
+/** A kind that is fitted by itself, or part of an open door. */
+export const isStandalone = (/** @type {OpenFile} */ openFile) =>
+  isReadAs("standalone")(openFile) || isRod(openFile) || (openFile.page === "part" && !!door());
+export const kindOf = (/** @type {OpenFile} */ openFile) =>
+  isRod(openFile) ? "rod" : openFile.kind || "";
+/** Files that are fitted together: all of the kind, unless the kind takes one file. */
+export const getFilesOfKind = (/** @type {OpenFile} */ openFile) =>
+  openFile.takes_one_file || openFile.specimen
+    ? [openFile]
     : state.files.filter((each) =>
-      isTaken("judged")(each) && each.kind === one.kind && !each.specimen
+      isReadAs("standalone")(each) && each.kind === openFile.kind && !each.specimen
     );
-/** An FRF of a level goes with those of other levels, and with no relaxation test. */
-export const isHammer = (/** @type {OpenFile} */ one) =>
-  isTaken("hammer", "response")(one) && !one.level && !isRod(one);
+/** Hits or an FRF to be fitted with a relaxation test: not an FRF at one of several amplitudes. */
+export const isHammer = (/** @type {OpenFile} */ openFile) =>
+  isReadAs("hammer", "response")(openFile) && !openFile.level && !isRod(openFile);
 /** A file, or one of several, in which amplitude was varied. */
-export const isLevel = (/** @type {OpenFile} */ one) =>
-  isTaken("level")(one) || (isResponse(one) && !!one.level);
+export const isLevel = (/** @type {OpenFile} */ openFile) =>
+  isReadAs("level")(openFile) || (isResponse(openFile) && !!openFile.level);
 /** An FRF whose modes are sought. */
-export const isModes = (/** @type {OpenFile} */ one) =>
-  isResponse(one) && !one.level && ["points", "masses"].includes(state.frfs.of);
+export const isModes = (/** @type {OpenFile} */ openFile) =>
+  isResponse(openFile) && !openFile.level && ["points", "masses"].includes(state.frfs.of);
 /** Hits that no relaxation test goes with. */
-export const isHitsAlone = (/** @type {OpenFile} */ one) =>
-  isHits(one) && !state.files.some(isTest);
+export const isHammerOnly = (/** @type {OpenFile} */ openFile) =>
+  isHits(openFile) && !state.files.some(isTest);
 /** What the page fits by itself. */
-export const isBench = (/** @type {OpenFile} */ one) =>
-  isTaken("bench")(one) || isHitsAlone(one) || isLevel(one) || isModes(one) || isJudged(one);
-/** The unit in which the level of an FRF is said. */
-export const levelUnit = (/** @type {OpenFile | undefined} */ one) =>
-  one?.page === "base" ? "m/s^2" : "N";
-export const shown = () => state.files.find((one) => one.id === state.current);
-/** A file that is no record, and is asked nothing by itself: limits, a machine. */
-export const isBeside = isTaken("limits", "machine");
-const isMachine = isTaken("machine");
+export const isBench = (/** @type {OpenFile} */ openFile) =>
+  isReadAs("bench")(openFile) || isHammerOnly(openFile) || isLevel(openFile) || isModes(openFile) ||
+  isStandalone(openFile);
+/** Unit of the amplitude of an FRF. */
+export const levelUnit = (/** @type {OpenFile | undefined} */ openFile) =>
+  openFile?.page === "base" ? "m/s^2" : "N";
+export const shown = () => state.files.find((openFile) => openFile.id === state.current);
+/** A file that is no record and has no questions: limits, a machine. */
+export const isAccessory = isReadAs("limits", "machine");
+const isMachine = isReadAs("machine");
 /** The machine file of the tests: the last that was opened. */
 export const machine = () => state.files.filter(isMachine).at(-1);
-/** Of what the limits are that are typed: of the seal under test, or of the kind that is shown. */
-export const limited = () => {
-  const one = shown();
-  return one && isBench(one) ? kindOf(one) : "test";
+/** Kind that the typed limits apply to: the seal under test, or the shown kind. */
+export const getLimitsKind = () => {
+  const openFile = shown();
+  return openFile && isBench(openFile) ? kindOf(openFile) : "test";
 };
 /** Limits of what is shown: typed, one on a line, and in files. */
 export const limits = () => ({
-  typed: (state.limits[limited()] || "").split("\n").filter((text) => text.trim()),
-  files: state.files.filter(isTaken("limits")).map((one) => one.id),
+  typed: (state.limits[getLimitsKind()] || "").split("\n").filter((text) => text.trim()),
+  files: state.files.filter(isReadAs("limits")).map((openFile) => openFile.id),
 });
 
 /** The test that is fitted. */
 export function test() {
-  const one = shown();
-  return one && isTest(one) ? one : state.files.find(isTest);
+  const openFile = shown();
+  return openFile && isTest(openFile) ? openFile : state.files.find(isTest);
 }
 
 /** Whether two tests can be read by the same options: of specimens each has its own. */
-export const goTogether = (/** @type {OpenFile} */ one, /** @type {OpenFile} */ other) =>
-  one !== other && !one.specimen && !other.specimen;
+export const canFitTogether = (/** @type {OpenFile} */ openFile, /** @type {OpenFile} */ other) =>
+  openFile !== other && !openFile.specimen && !other.specimen;
 /** Tests of the same seal, at another temperature or depth, that are fitted with it. */
 export const together = () => {
   const of = test();
   if (!of?.together) return [];
-  return state.files.filter((one) => one.together && isTest(one) && goTogether(one, of));
+  return state.files.filter((openFile) =>
+    openFile.together && isTest(openFile) && canFitTogether(openFile, of)
+  );
 };
 /** Files that are read by the options of the first; of specimens the one that is shown. */
-export const readAlike = (/** @type {OpenFile[]} */ files) =>
-  files.some((one) => one.specimen) ? [files.find((one) => one === shown()) || files[0]] : files;
-export const hammers = () => readAlike(state.files.filter(isHammer));
-/** What a file is called: by its name, and which of its specimens is read. */
-export const nameOf = (/** @type {OpenFile} */ one) =>
-  one.specimen ? `${one.name} [${one.specimen}]` : one.name;
+export const selectSpecimen = (/** @type {OpenFile[]} */ files) =>
+  files.some((openFile) => openFile.specimen)
+    ? [files.find((openFile) => openFile === shown()) || files[0]]
+    : files;
+export const hammers = () => selectSpecimen(state.files.filter(isHammer));
+/** Name of a file, with the specimen that is read. */
+export const nameOf = (/** @type {OpenFile} */ openFile) =>
+  openFile.specimen ? `${openFile.name} [${openFile.specimen}]` : openFile.name;
 
 /** The job of the server; its fields are those of the command line. */
 export function job() {
   const of = test(), by = hammers(), also = together();
-  const warmth = [of, ...also].map((one) => one?.temperature || "");
+  const temperatures = [of, ...also].map((openFile) => openFile?.temperature || "");
   const several = also.length > 0, rig = machine();
   return {
     ...state.job,
@@ -171,31 +184,33 @@ export function job() {
     relaxation: of ? of.id : "",
     reading: of ? of.options : {},
     joint: state.joint,
-    other_tests: also.map((one) => one.id),
-    temperatures: warmth.some(Boolean) ? warmth : [],
+    other_tests: also.map((openFile) => openFile.id),
+    temperatures: temperatures.some(Boolean) ? temperatures : [],
     time_limits: several ? {} : state.job.time_limits,
-    impact: by.map((one) => one.id),
+    impact: by.map((openFile) => openFile.id),
     reading_impact: by.length ? by[0].options : {},
   };
 }
 
-/** The solids that can be held against each other, each by what it is of. */
+/** Models that can be compared: identity and label. */
 export function solids() {
   const many = state.files.filter(isTest).length > 1,
     cut = Object.keys(state.job.time_limits).length > 0;
-  return state.files.filter(isTest).flatMap((one) => {
-    const own = (/** @type {string} */ words) => many ? `${nameOf(one)}, ${words}` : words;
-    const found = [[`fit ${one.id}`, own("relaxation alone")]];
-    if (hammers().length) found.push([`joint ${one.id}`, own("joint model")]);
-    if (one === test() && cut) found.push([`found ${one.id}`, own("time limits as found")]);
-    return found;
+  return state.files.filter(isTest).flatMap((openFile) => {
+    const label = (/** @type {string} */ words) => many ? `${nameOf(openFile)}, ${words}` : words;
+    const models = [[`fit ${openFile.id}`, label("relaxation alone")]];
+    if (hammers().length) models.push([`joint ${openFile.id}`, label("joint model")]);
+    if (openFile === test() && cut) {
+      models.push([`auto ${openFile.id}`, label("time limits as found")]);
+    }
+    return models;
   });
 }
 
 /** The job of one of them. */
 export function jobOf(/** @type {string} */ solid) {
-  const [how, id] = solid.split(" "), of = state.files.find((one) => one.id === id);
-  const own = of === test() && how !== "found";
+  const [how, id] = solid.split(" "), of = state.files.find((openFile) => openFile.id === id);
+  const hasLimits = of === test() && how !== "auto";
   return {
     ...job(),
     relaxation: id,
@@ -203,19 +218,19 @@ export function jobOf(/** @type {string} */ solid) {
     joint: how === "joint",
     other_tests: [],
     temperatures: of?.temperature ? [of.temperature] : [],
-    time_limits: own ? state.job.time_limits : {},
+    time_limits: hasLimits ? state.job.time_limits : {},
   };
 }
 
-/** What is asked of the test with one solid or the other. */
+/** Job as text, alone or combined with the hammer test. */
 export const questionOf = (/** @type {boolean} */ joint) => JSON.stringify({ ...job(), joint });
 
-/** What room each panel had when it was seen last. @type {Record<string, [number, number]>} */
-const rooms = {};
+/** Size of each panel when it was last visible, px. @type {Record<string, [number, number]>} */
+const panelSizes = {};
 
 /**
- * What room each panel has for its drawing, px: what its place leaves beside key and border. One
- * that is not shown now is drawn for where it stood.
+ * Size available for the drawing in each panel, px, without legend and border; a hidden panel keeps
+ * its last size.
  */
 export function sizes() {
   // without the drawings of before, which would hold a place open
@@ -225,46 +240,55 @@ export function sizes() {
     if (!width || !body) continue;
     const { paddingLeft, paddingTop } = getComputedStyle(card), key = body.clientHeight || KEY;
     const [x, y] = [2 * parseFloat(paddingLeft), 2 * parseFloat(paddingTop)];
-    rooms[card.dataset.panel || ""] = [width - x, height - y - key];
+    panelSizes[card.dataset.panel || ""] = [width - x, height - y - key];
   }
   document.body.classList.remove("measuring");
-  return rooms;
+  return panelSizes;
 }
 
-// -- the way back ---------------------------------------------------------------------------------
+// -- history --------------------------------------------------------------------------------------
 
-/** What of the state the user chose; what a file was found to be is none of it. */
+/** The choices of the user in the state, as text; not what was recognised in the files. */
 const key = () => {
-  const { job, joint, base, levels, frfs, said, limits, files } = state;
+  const { job, joint, base, levels, frfs, formValues, limits, files } = state;
   return JSON.stringify([
     job,
     joint,
     base,
     levels,
     frfs,
-    said,
+    formValues,
     limits,
-    files.map((one) => [one.id, one.options, one.together, one.temperature, one.level, one.mass]),
+    files.map((
+      openFile,
+    ) => [
+      openFile.id,
+      openFile.options,
+      openFile.together,
+      openFile.temperature,
+      openFile.level,
+      openFile.mass,
+    ]),
   ]);
 };
 
-/** What was chosen, in a few words: how one state differs from the one before. */
-function changed(/** @type {string} */ before, /** @type {string} */ after) {
-  const [was, now] = [before, after].map((one) => JSON.parse(one));
+/** Difference between two states in a few words. */
+function describeChange(/** @type {string} */ before, /** @type {string} */ after) {
+  const [was, now] = [before, after].map((text) => JSON.parse(text));
   const [a, b] = [was[0], now[0]];
   /** @type {string[]} */
   const words = [];
   for (const name of Object.keys(b)) {
     if (JSON.stringify(a[name]) === JSON.stringify(b[name])) continue;
     if (name === "time_limits") {
-      const moved = Object.keys({ ...a.time_limits, ...b.time_limits }).filter((one) =>
-        a.time_limits[one] !== b.time_limits[one]
+      const names = Object.keys({ ...a.time_limits, ...b.time_limits }).filter((limit) =>
+        a.time_limits[limit] !== b.time_limits[limit]
       );
-      for (const one of moved) {
-        const at = b.time_limits[one] === undefined
+      for (const limit of names) {
+        const at = b.time_limits[limit] === undefined
           ? "as found"
-          : `${+b.time_limits[one].toFixed(4)} s`;
-        words.push(`${one === "onset" ? "contact" : one.replace("_", " ")} ${at}`);
+          : `${+b.time_limits[limit].toFixed(4)} s`;
+        words.push(`${limit === "onset" ? "contact" : limit.replace("_", " ")} ${at}`);
       }
     } else if (name === "hammer") {
       words.push(`hits rejected: ${b.hammer.reject.join(", ") || "none"}`);
@@ -277,8 +301,8 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
   const more = now.at(-1).length - was.at(-1).length;
   if (more > 0) words.push(`${more === 1 ? "a file" : `${more} files`} opened`);
   if (more < 0) words.push("a file removed");
-  const ids = [was, now].map((one) =>
-    one.at(-1).map((/** @type {any[]} */ file) => file[0]).join()
+  const ids = [was, now].map((choice) =>
+    choice.at(-1).map((/** @type {any[]} */ file) => file[0]).join()
   );
   if (!more && ids[0] !== ids[1]) words.push("a file that changed");
   return words.join(", ") || "reading of a file";
@@ -286,50 +310,52 @@ function changed(/** @type {string} */ before, /** @type {string} */ after) {
 
 let readOnly = false;
 
-export const readsOnly = () => readOnly;
+export const isReadOnly = () => readOnly;
 
-/** Keep nothing of a page that is open elsewhere. */
-export function onlyRead(/** @type {boolean} */ yes) {
+/** Set whether this page only shows a session that another page holds. */
+export function setReadOnly(/** @type {boolean} */ yes) {
   readOnly = yes;
 }
 
-/** Keep the state: for a page that is loaded again, and for the way back. */
+/** Save the state, for a reload and for the history. */
 export function remember() {
   if (readOnly) return;
-  const { past, ...own } = state, now = key(), last = past.at(-1);
-  // what a file asks is asked again where one goes back to it
-  const files = own.files.map((one) => one.asked ? { ...one, asked: "" } : one);
-  const kept = JSON.stringify({ ...own, files });
-  // one goes back to the file that was shown when the next choice was made
-  if (last?.key === now) last.kept = kept;
-  else past.push({ key: now, words: last ? changed(last.key, now) : "opened", kept });
+  const { past, ...current } = state, now = key(), last = past.at(-1);
+  // the questions of a file are asked again when one goes back to it
+  const files = current.files.map((openFile) =>
+    openFile.question ? { ...openFile, question: "" } : openFile
+  );
+  const saved = JSON.stringify({ ...current, files });
+  // going back shows the file that was shown at the next choice
+  if (last?.key === now) last.saved = saved;
+  else past.push({ key: now, words: last ? describeChange(last.key, now) : "opened", saved });
   if (past.length > STEPS_BACK) past.shift();
   $("undo").hidden = past.length < 2;
   call("PUT", "/api/state", JSON.stringify(state)).then(
-    () => unkept(""),
-    (error) => unkept(error instanceof Error ? error.message : String(error)),
+    () => showSaveError(""),
+    (error) => showSaveError(error instanceof Error ? error.message : String(error)),
   );
 }
 
-/** Say that a page that is loaded again would not find this session, and why. */
-function unkept(/** @type {string} */ said) {
-  $("unkept").textContent = said && `This session is not kept for a reload: ${said}.`;
-  $("unkept").hidden = !said;
+/** Show why this session would be lost on a reload. */
+function showSaveError(/** @type {string} */ message) {
+  $("save-error").textContent = message && `This session is not kept for a reload: ${message}.`;
+  $("save-error").hidden = !message;
 }
 
-/** What was chosen last, as a sentence; nothing of what was only opened. */
-export function chosen() {
-  const said = state.past.length > 1 ? state.past.at(-1)?.words || "" : "";
-  return said && `${said[0].toUpperCase()}${said.slice(1)}. `;
+/** The last choice as a sentence; empty if files were only opened. */
+export function describeLastChoice() {
+  const text = state.past.length > 1 ? state.past.at(-1)?.words || "" : "";
+  return text && `${text[0].toUpperCase()}${text.slice(1)}. `;
 }
 
-/** What was chosen so far, the last first. */
+/** All choices, the last first. */
 export const history = () => state.past.map(({ words }, i) => ({ words, i })).reverse();
 
-/** Become what it was before the last choice, or after the choice `i`; false if there is none. */
+/** Restore the state before the last choice, or after the choice `i`; false if there is none. */
 export function undo(i = state.past.length - (state.past.at(-1)?.key === key() ? 2 : 1)) {
   const past = state.past.slice(0, i + 1), to = past.at(-1);
   if (!to || i < 0) return false;
-  become({ ...JSON.parse(to.kept), past });
+  restore({ ...JSON.parse(to.saved), past });
   return true;
 }

@@ -1,5 +1,5 @@
-// A lot: the table of a folder that dashpot batch filled, to filter, to sort, to open a test from.
-import { $, field, made, status, words } from "./dom.js";
+// A lot: the table that dashpot batch wrote, to filter, to sort, and to open a test from.
+import { $, createElement, field, status, words } from "./dom.js";
 import { state } from "./job.js";
 import { refuse } from "./verdict.js";
 import { send } from "./wire.js";
@@ -25,7 +25,7 @@ const MARKS = new Map([["use", "good"], ["use with care", "care"], ["do not use"
 
 /** @type {{columns: string[], rows: Row[]}} */
 let table = { columns: [], rows: [] };
-let by = "file", falling = false;
+let by = "file", descending = false;
 
 const at = (/** @type {Row} */ row, /** @type {string} */ name) => row[table.columns.indexOf(name)];
 
@@ -33,14 +33,14 @@ const at = (/** @type {Row} */ row, /** @type {string} */ name) => row[table.col
 export async function showLot() {
   try {
     const { head } = await send("folder", { folder: state.lot });
-    take(head);
+    uploadFiles(head);
   } catch (error) {
     refuse(words(error), "file");
   }
 }
 
 /** Take the table that the server sent. */
-export function take(/** @type {any} */ head) {
+export function uploadFiles(/** @type {any} */ head) {
   table = head;
   $("lot-name").textContent = head.name;
   $("lot-message").textContent = head.message;
@@ -54,7 +54,7 @@ function less(/** @type {Row} */ a, /** @type {Row} */ b) {
   const order = typeof x === "number" && typeof y === "number"
     ? x - y
     : String(x).localeCompare(String(y), undefined, { numeric: true });
-  return falling ? -order : order;
+  return descending ? -order : order;
 }
 
 const cell = (/** @type {Row} */ row, /** @type {string} */ name) => {
@@ -66,36 +66,40 @@ const cell = (/** @type {Row} */ row, /** @type {string} */ name) => {
 /** Draw the rows that pass the filter, in the order asked for. */
 export function draw() {
   const wanted = field("lot-filter").value.trim().toLowerCase();
-  const found = table.rows.filter((row) =>
+  const rows = table.rows.filter((row) =>
     SHOWN.some(([name]) => String(at(row, name) ?? "").toLowerCase().includes(wanted))
   ).sort(less);
   const heads = SHOWN.map(([name, title]) => {
-    const sort = name !== by ? "none" : falling ? "descending" : "ascending";
-    const button = made("button", { class: "link", "data-sort": name }, title);
-    return made("th", { scope: "col", "aria-sort": sort }, button);
+    const sort = name !== by ? "none" : descending ? "descending" : "ascending";
+    const button = createElement("button", { class: "link", "data-sort": name }, title);
+    return createElement("th", { scope: "col", "aria-sort": sort }, button);
   });
-  $("lot-head").replaceChildren(made("tr", {}, ...heads));
+  $("lot-head").replaceChildren(createElement("tr", {}, ...heads));
   $("lot-rows").replaceChildren(
-    ...found.slice(0, MOST).map((row) => {
+    ...rows.slice(0, MOST).map((row) => {
       const verdict = String(at(row, "verdict") || at(row, "outcome") || "");
       const cells = SHOWN.slice(1).map(([name]) => {
         const number = typeof at(row, name) === "number";
-        if (name === "verdict") return made("td", { class: MARKS.get(verdict) || "bad" }, verdict);
-        return made("td", number ? { class: "number" } : {}, cell(row, name));
+        if (name === "verdict") {
+          return createElement("td", { class: MARKS.get(verdict) || "bad" }, verdict);
+        }
+        return createElement("td", number ? { class: "number" } : {}, cell(row, name));
       });
       const fitted = at(row, "outcome") === "fitted";
       const which = `${at(row, "sha256")} ${at(row, "part") || ""}`, file = String(at(row, "file"));
-      const name = fitted ? made("button", { class: "link", "data-row": which }, file) : file;
-      return made("tr", {}, made("th", { scope: "row" }, name), ...cells);
+      const name = fitted
+        ? createElement("button", { class: "link", "data-row": which }, file)
+        : file;
+      return createElement("tr", {}, createElement("th", { scope: "row" }, name), ...cells);
     }),
   );
-  const more = found.length > MOST ? `, the first ${MOST} shown` : "";
-  $("lot-count").textContent = `${found.length} of ${table.rows.length} tests${more}`;
+  const more = rows.length > MOST ? `, the first ${MOST} shown` : "";
+  $("lot-count").textContent = `${rows.length} of ${table.rows.length} tests${more}`;
 }
 
 /** Order by a column; by the same once more, the other way. */
 export function sort(/** @type {string} */ name) {
-  falling = name === by && !falling;
+  descending = name === by && !descending;
   by = name;
   draw();
 }

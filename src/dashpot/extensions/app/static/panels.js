@@ -1,6 +1,6 @@
 // The drawn panels: zoom and read-off, curves that follow, handles on their time axes.
 import { Figure } from "../../../plot/charts.js";
-import { all, made, panelCard, put } from "./dom.js";
+import { all, createElement, panelCard, setField } from "./dom.js";
 import { Handle } from "./handles.js";
 import { state, together } from "./job.js";
 
@@ -39,20 +39,20 @@ class Reading extends Figure {
   }
 
   /** @override */
-  tell() {
+  showValues() {
     this.mark();
     const { panels, at } = this, { quantity, unit, per } = at.axes();
     const cell = (/** @type {string} */ tag, /** @type {string} */ words, kind = "") =>
-      made(tag, kind ? { class: kind } : {}, words);
+      createElement(tag, kind ? { class: kind } : {}, words);
     const rows = [cell("dt", `${at.where(this.x)} ${per}`, "at"), cell("dd", unit, "at")];
     rows[0].title = quantity;
-    const part = this.x / at.whole[2], narrow = this.svg.clientWidth < NARROW;
-    for (const one of panels) {
-      const own = one === at ? "" : `, ${one.axes().unit}`;
-      for (const [name, value] of one.values(part * one.whole[2], this.y)) {
-        if (narrow && one.curves.some((each) => each.name === name && each.edge)) continue;
+    const share = this.x / at.whole[2], narrow = this.svg.clientWidth < NARROW;
+    for (const chart of panels) {
+      const unitSuffix = chart === at ? "" : `, ${chart.axes().unit}`;
+      for (const [name, value] of chart.values(share * chart.whole[2], this.y)) {
+        if (narrow && chart.curves.some((each) => each.name === name && each.edge)) continue;
         const kind = name === "measured" ? "upon" : "";
-        const called = own && !/[a-z] /.test(name) ? `${name}${own}` : name;
+        const called = unitSuffix && !/[a-z] /.test(name) ? `${name}${unitSuffix}` : name;
         rows.push(cell("dt", called, kind), cell("dd", value, kind));
       }
     }
@@ -61,25 +61,25 @@ class Reading extends Figure {
 
   /** Zoom about the pointer; where the page itself can be scrolled, with Ctrl alone. */
   wheel(/** @type {WheelEvent} */ event) {
-    const room = this.svg.closest("main, .scrolls");
-    const scrolls = room && room.scrollHeight > room.clientHeight + 1;
+    const scroller = this.svg.closest("main, .scrolls");
+    const scrolls = scroller && scroller.scrollHeight > scroller.clientHeight + 1;
     if (scrolls && !event.ctrlKey) return;
     event.preventDefault();
     const [x0, y0, x1, y1] = this.at.view, whole = this.at.whole[2];
     const factor = event.deltaY < 0 ? 1 / WHEEL : WHEEL;
     const wide = Math.min(Math.max((x1 - x0) * factor, whole / 500), whole);
-    const kept = this.x - (this.x - x0) * wide / (x1 - x0);
-    const start = Math.min(Math.max(kept, 0), whole - wide);
+    const at = this.x - (this.x - x0) * wide / (x1 - x0);
+    const start = Math.min(Math.max(at, 0), whole - wide);
     this.zoom(this.at, start, y0, start + wide, y1);
   }
 }
 
-/** What each panel says before there is anything to draw. */
+/** Text of each panel before there is anything to draw. */
 const blank = new Map(
   all("[data-panel]").map((card) => [card.dataset.panel, card.querySelector(".body")?.innerHTML]),
 );
 
-/** Put a drawing in its panel; where there is none any more it says so again. */
+/** Show a drawing in its panel; without one, the text of an empty panel. */
 export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   const card = panelCard(name), body = card?.querySelector(".body");
   const out = card?.querySelector(".read");
@@ -94,59 +94,68 @@ export function panel(/** @type {string} */ name, /** @type {string} */ html) {
   figures[name] = svg && new Reading(svg, out, caption?.textContent || "");
 }
 
-/** What is kept, by the verb that gave it. @type {Record<string, string>} */
+/** Label of the save button, by the request that computed the numbers. @type {Record<string, string>} */
 const SAVED = {
   level: "Save the numbers (levels.json)",
-  judged: "Save the numbers (JSON)",
+  standalone: "Save the numbers (JSON)",
   modes: "Save the modes (modes.json)",
 };
 
-/** Put the strips of a figure one after the other, each with its title, and a way to keep them. */
+/** Show the panels of a figure in sequence, each with its title, and a button to save them. */
 export function strips(
   /** @type {HTMLElement} */ home,
   /** @type {[string, string, number][]} */ drawn,
   /** @type {string} */ verb,
   /** @type {[string, string][]} */ facts = [],
 ) {
-  const told = made("dl", { class: "facts" });
-  for (const [name, said] of facts) {
-    told.append(made("div", {}, made("dt", {}, name), made("dd", {}, said)));
+  const factList = createElement("dl", { class: "facts" });
+  for (const [name, text] of facts) {
+    factList.append(
+      createElement("div", {}, createElement("dt", {}, name), createElement("dd", {}, text)),
+    );
   }
   home.replaceChildren(
-    ...(facts.length ? [told] : []),
+    ...(facts.length ? [factList] : []),
     ...drawn.map(([title, html, across]) => {
-      const body = made("div", { class: "body" }), out = made("div", { class: "read" });
+      const body = createElement("div", { class: "body" }),
+        out = createElement("div", { class: "read" });
       body.innerHTML = html;
       for (const svg of all("svg.figure", body)) {
         new Reading(/** @type {any} */ (svg), out, title);
       }
-      const card = made("figure", { class: "card" }, made("figcaption", {}, title), body, out);
+      const card = createElement(
+        "figure",
+        { class: "card" },
+        createElement("figcaption", {}, title),
+        body,
+        out,
+      );
       card.style.setProperty("--across", String(across));
       return card;
     }),
   );
   const what = SAVED[verb] || "Save the model (fit.json)";
-  const button = made("button", { "data-act": "take-bench" }, what);
-  home.append(made("p", { class: "buttons" }, button));
+  const button = createElement("button", { "data-act": "take-bench" }, what);
+  home.append(createElement("p", { class: "buttons" }, button));
 }
 
 /** The unit of the lowest strip of a panel, as it is drawn. */
 export const unitOf = (/** @type {string} */ name) =>
   figures[name]?.panels.at(-1)?.axes().unit || "";
 
-/** Lay bare curves into the drawings; their names are `panel/curve/x` and `panel/curve/y`. */
+/** Replace curves of the drawings while something moves; their names are `panel/curve/x` and `panel/curve/y`. */
 export function curves(/** @type {Record<string, Float32Array>} */ arrays) {
-  for (const at of Object.keys(arrays).filter((one) => one.endsWith("/x"))) {
+  for (const at of Object.keys(arrays).filter((key) => key.endsWith("/x"))) {
     const [name, curve] = at.split("/");
-    for (const one of figures[name]?.panels || []) {
-      const path = all("path[data-name]", one.plot)
+    for (const chart of figures[name]?.panels || []) {
+      const path = all("path[data-name]", chart.plot)
         .find((each) => each.dataset.name?.startsWith(curve));
-      path?.setAttribute("d", one.path(arrays[at], arrays[`${name}/${curve}/y`]));
+      path?.setAttribute("d", chart.path(arrays[at], arrays[`${name}/${curve}/y`]));
     }
   }
 }
 
-/** Of a pole, px, within which a click is on it. */
+/** Distance of a click from a pole that it selects, px. */
 const NEAR = 14;
 
 /** The pole of the stabilisation chart under a click; 0 if there is none. */
@@ -157,17 +166,17 @@ export function poleAt(/** @type {MouseEvent} */ event, /** @type {number[]} */ 
   const [x, , w] = axes.box, [x0, , x1] = axes.view;
   let nearest = 0, least = NEAR;
   for (const hertz of poles) {
-    const part = (axes.x.unit(hertz) - x0) / (x1 - x0);
-    const far = Math.abs(on.left + scale * (x + w * part) - event.clientX);
+    const share = (axes.x.unit(hertz) - x0) / (x1 - x0);
+    const far = Math.abs(on.left + scale * (x + w * share) - event.clientX);
     if (far < least) [nearest, least] = [hertz, far];
   }
   return nearest;
 }
 
-/** From where the axis of the hold counts, on the clock of the record. */
+/** Zero of the axis of the hold, on the clock of the record. */
 export let since = 0;
 
-/** Stand where the cuts are: the handles, and the numbers in the fields. */
+/** Show the time limits: the handles, and the numbers in the fields. */
 export function placeHandles(
   /** @type {Record<string, number>} */ time_limits,
   /** @type {Clock | null} */ clock = null,
@@ -176,21 +185,21 @@ export function placeHandles(
   /** @type {Record<string, number>} */
   const at = { ...time_limits, ...state.job.time_limits };
   /** @type {Handle[]} */
-  const moved = [];
-  // what is drawn counts from where the ramp ended when it was
+  const movedHandles = [];
+  // the drawn axis begins at the end of the ramp of that drawing
   if (anew) since = time_limits.ramp_end;
   for (const [name, handle] of Object.entries(handles)) {
-    // what is cut by hand is one test
+    // time limits are set by hand for one test only
     const figure = together().length ? null : figures[handle.panel];
     const shift = handle.panel === "hold" ? since : 0;
-    if (handle.place(figure, at[name], clock, shift)) moved.push(handle);
+    if (handle.place(figure, at[name], clock, shift)) movedHandles.push(handle);
   }
   // read of all before any is put, where they are is laid out once
-  for (const { handle, on } of moved.map((handle) => ({ handle, on: handle.ground() }))) {
-    handle.put(on);
+  for (const { handle, on } of movedHandles.map((handle) => ({ handle, on: handle.ground() }))) {
+    handle.draw(on);
   }
   for (const [name, handle] of Object.entries(handles)) {
     handle.byHand(name in state.job.time_limits);
-    put(`cut-${name}`, String(+at[name].toFixed(4)));
+    setField(`cut-${name}`, String(+at[name].toFixed(4)));
   }
 }

@@ -1,17 +1,27 @@
-// Questions to the server, and where their answers stand. The page computes no number.
-import { $, all, atWork, field, made, panelCard, put, stand, status } from "./dom.js";
+// Requests to the server, and where their answers are shown. The page computes no number.
 import {
-  alike,
-  chosen,
+  $,
+  all,
+  countWorking,
+  createElement,
+  field,
+  panelCard,
+  setField,
+  setHtml,
+  status,
+} from "./dom.js";
+import {
+  describeLastChoice,
   door,
+  getFilesOfKind,
   hammers,
   isBench,
+  isHammerOnly,
   isHits,
-  isHitsAlone,
-  isJudged,
   isLevel,
   isModes,
   isResponse,
+  isStandalone,
   isTest,
   job,
   jobOf,
@@ -19,8 +29,8 @@ import {
   limits,
   LOT,
   questionOf,
-  readAlike,
   remember,
+  selectSpecimen,
   shown,
   sizes,
   solids,
@@ -29,8 +39,16 @@ import {
 } from "./job.js";
 import { curves, panel, placeHandles, since as counted, strips, unitOf } from "./panels.js";
 import { choices, fields, fileList, solid, views } from "./shown.js";
-import { asks, heals, knows, moves, refuse, stands, stops } from "./verdict.js";
-import { ask, call, cancelled, forget } from "./wire.js";
+import {
+  askQuestion,
+  clearRefusal,
+  endQuestion,
+  hasPartialAnswer,
+  refuse,
+  showProgress,
+  takeAnswer,
+} from "./verdict.js";
+import { askQueued, call, cancelled, forget } from "./wire.js";
 
 const PATIENCE = 400;
 const LATER = "It is judged once you let go.";
@@ -39,175 +57,177 @@ const ENDS = { onset: "Contact", ramp_end: "Ramp end", hold_end: "Hold end" };
 const seconds = (/** @type {number} */ since, digits = 1) =>
   `${((performance.now() - since) / 1000).toFixed(digits)} s`;
 
-/** What decides the verdict: two questions alike have one. */
+/** Everything that the verdict depends on, as text. */
 function question() {
   const of = bench();
-  // limits are asked of the seal, and no verdict on its model depends on them
+  // the verdict on a model does not depend on limits
   if (of) return JSON.stringify([of.verb, { ...of.request, sizes: null, limits: null }]);
   if (test() && state.against) return JSON.stringify([state.against, against()]);
   return test() ? questionOf(state.joint) : "";
 }
 
-/** Say why what is asked now has no answer. */
-function ends(/** @type {string} */ said) {
+/** Show why the current request has no answer. */
+function showFailure(/** @type {string} */ message) {
   $("right").classList.remove("moving");
-  limitsFound({ html: "", refusal: "" });
-  if (said !== cancelled) return refuse(said);
-  if (state.joint) return stops("Cancelled. There is no joint model.");
+  showLimits({ html: "", refusal: "" });
+  if (message !== cancelled) return refuse(message);
+  if (state.joint) return endQuestion("Cancelled. There is no joint model.");
   const skipped = hammers().length
     ? "The hammer test was not compared."
     : "Its limits were not computed.";
-  const known = stands() && !bench() ? `The fit stands: ${found.end.join(" ")}. ${skipped}` : "";
-  stops(`Cancelled. ${known || "What was asked last is not fitted."}`);
+  const note = hasPartialAnswer() && !bench()
+    ? `The fit stands: ${automatic.end.join(" ")}. ${skipped}`
+    : "";
+  endQuestion(`Cancelled. ${note || "What was asked last is not fitted."}`);
 }
 
-/** The limits as they were held against what was found, or why one is none. */
-function limitsFound(/** @type {{html: string, refusal: string}} */ { html, refusal }) {
-  const home = $("limits-found");
+/** Show the result compared with the limits, or why a limit was refused. */
+function showLimits(/** @type {{html: string, refusal: string}} */ { html, refusal }) {
+  const home = $("limits-result");
   home.classList.remove("past");
   home.hidden = !html;
-  stand("limits-found", html);
+  setHtml("limits-result", html);
   $("limits-refusal").textContent = refusal;
   $("limits-refusal").hidden = !refusal;
   const word = home.querySelector("h2")?.textContent || "";
   $("fold-limits").textContent = refusal ? "one is refused" : word || "none";
 }
 
-/** Hold other limits against what is found: no verdict on the model depends on them. */
+/** Compare the result with other limits; the verdict on the model does not depend on them. */
 export function limit() {
   remember();
-  $("limits-found").classList.add("past");
-  const alone = bench();
-  if (alone) fitBench(alone);
+  $("limits-result").classList.add("past");
+  const benchRequest = bench();
+  if (benchRequest) fitBench(benchRequest);
   else study();
 }
 
-/** What the fit that was settled last chose by itself. */
-let found = { arms: 0, law: "", time_limits: {}, end: ["", ""] };
+/** Choices that the last complete fit made automatically. */
+let automatic = { arms: 0, law: "", time_limits: {}, end: ["", ""] };
 
-/** While a handle is held: bare curves, and both fits' numbers. */
+/** While a handle is dragged: curves and the numbers of both fits. */
 export function live(/** @type {string} */ end) {
   if (!test()) return;
   const now = question();
-  asks(now, LATER, "While you drag");
+  askQuestion(now, LATER, "While you drag");
   status("following");
   $("right").classList.add("moving");
-  // what is chosen by trial is as it was found, until the handle is let go
-  const { arms, law, time_limits } = found, own = job();
-  const asked = {
-    ...own,
-    arms: own.arms === "auto" && arms ? arms : own.arms,
-    law: own.law === "auto" && law ? law : own.law,
-    time_limits: { ...time_limits, ...own.time_limits },
+  // automatic choices are kept until the handle is released
+  const { arms, law, time_limits } = automatic, current = job();
+  const draggedJob = {
+    ...current,
+    arms: current.arms === "auto" && arms ? arms : current.arms,
+    law: current.law === "auto" && law ? law : current.law,
+    time_limits: { ...time_limits, ...current.time_limits },
   };
-  // what does not follow is of the cut before
+  // these panels still show the time limits before
   for (const name of ["frf", "spectrum"]) panelCard(name)?.classList.add("past");
-  const request = { job: asked, unit: unitOf("hold"), since: counted };
-  ask("live", "live", request, ({ head, arrays }) => {
-    // a fit that was settled meanwhile is of what was asked later
+  const request = { job: draggedJob, unit: unitOf("hold"), since: counted };
+  askQueued("live", "live", request, ({ head, arrays }) => {
+    // a complete fit that arrived meanwhile is newer
     if (!$("right").classList.contains("moving")) return;
     curves(arrays);
-    $("beside").innerHTML = head.beside;
-    heals(now);
+    $("both-fits").innerHTML = head.both_fits;
+    clearRefusal(now);
     placeHandles(head.time_limits);
-    const [at, was] = [head.time_limits, found.time_limits].map((time_limits) =>
+    const [at, was] = [head.time_limits, automatic.time_limits].map((time_limits) =>
       `${time_limits[end].toFixed(3)} s`
     );
-    const [name, k] = head.end, [before, k0] = found.end;
+    const [name, k] = head.end, [before, k0] = automatic.end;
     const far = `${ENDS[end]} ${at}, was ${was}. ${name} ${k}, was ${
       name === before ? "" : `${before} `
     }${k0}.`;
-    moves(`${far} ${LATER}`, head.left);
-    const left = document.querySelector('[data-panel="hold"] .key li');
-    if (left) left.textContent = head.left;
+    showProgress(`${far} ${LATER}`, head.residual_note);
+    const residualKey = document.querySelector('[data-panel="hold"] .key li');
+    if (residualKey) residualKey.textContent = head.residual_note;
     performance.mark("dashpot-live");
-  }, ends);
+  }, showFailure);
 }
 
-/** A key that takes two lines is known when it stands there: its drawing is then to be lower. */
-const tooTall = () => all("[data-panel]").some((one) => one.scrollHeight > one.clientHeight + 1);
+/** Whether a legend takes two lines, so that its drawing must be lower. */
+const tooTall = () => all("[data-panel]").some((card) => card.scrollHeight > card.clientHeight + 1);
 
-/** When it was said that nothing more is wanted. */
+/** Time of the last cancellation. */
 let stopped = 0;
 
-/** End what is at work, and begin nothing that would have followed it. */
+/** Cancel what is being computed, and what would follow it. */
 export function cancel() {
   stopped = performance.now();
   call("POST", "/api/cancel").catch(() => {});
 }
 
-/** The fit with its intervals and checks, and every panel of the test. */
+/** Request the fit with its intervals and checks, and every panel of the test. */
 export function settle(again = false) {
   const now = question();
   remember();
-  asks(now, `${chosen()}The file is fitted.`);
+  askQuestion(now, `${describeLastChoice()}The file is fitted.`);
   choices();
   fields();
   views();
-  const of = test(), alone = bench(), lot = state.current === LOT;
-  if (lot || alone || !of) ["settle", "slow"].forEach(forget);
+  const of = test(), benchRequest = bench(), lot = state.current === LOT;
+  if (lot || benchRequest || !of) ["settle", "slow"].forEach(forget);
   if (lot) return;
-  if (alone) return fitBench(alone);
+  if (benchRequest) return fitBench(benchRequest);
   if (!of) {
-    nothing();
-    const open = state.files.some((one) => one.asked);
+    clearPage();
+    const open = state.files.some((openFile) => openFile.question);
     status(open ? "a question is open" : "no relaxation test is open");
     return;
   }
   if (state.against) return compare();
-  // of a long record a part is drawn at once; the study fits all of it, in its own lane
+  // of a long record a part is drawn at once; the study fits all of it, in its own queue
   const quick = !!of.long, since = performance.now();
   status(quick ? "fitting a part of the samples" : "fitting");
-  const asked = { job: job(), sizes: sizes(), quick, base: state.base, phase: state.phase };
-  if (pictured !== of.id) look(of.id, asked);
-  ask("settle", "settle", asked, ({ head }) => {
-    knows(now, head, false);
-    settled(head);
+  const request = { job: job(), sizes: sizes(), quick, base: state.base, phase: state.phase };
+  if (shownRecord !== of.id) showRecord(of.id, request);
+  askQueued("settle", "settle", request, ({ head }) => {
+    takeAnswer(now, head, false);
+    showFit(head);
     if (stopped >= since) {
-      ends(cancelled);
+      showFailure(cancelled);
       return status(cancelled);
     }
     if (!again && tooTall()) return settle(true);
     status(`fitted in ${seconds(since, 2)}`);
     study();
-  }, (said) => {
-    ends(said);
+  }, (message) => {
+    showFailure(message);
     status("not fitted");
   });
 }
 
-/** The test whose record stands in its panels. */
-let pictured = "";
+/** Test whose record is shown in the panels. */
+let shownRecord = "";
 
-/** The record alone, to look at until its fit is there: nothing of another test beside it. */
-function look(/** @type {string} */ of, /** @type {any} */ asked) {
-  ask("look", "look", asked, ({ head }) => {
-    if (pictured === of || test()?.id !== of) return;
+/** Show the record until its fit arrives, and nothing of another test. */
+function showRecord(/** @type {string} */ of, /** @type {any} */ request) {
+  askQueued("look", "look", request, ({ head }) => {
+    if (shownRecord === of || test()?.id !== of) return;
     for (const name of ["frf", "spectrum"]) panel(name, "");
     for (const [name, html] of Object.entries(head.panels)) panel(name, html);
   }, () => {});
 }
 
-/** Without a test nothing is known of a seal. */
-function nothing() {
-  drawnOf = pictured = "";
+/** Clear the page: there is no test. */
+function clearPage() {
+  shownStudy = shownRecord = "";
   $("right").classList.remove("moving");
   solid("", false, "");
   solid("", true, "");
-  for (const name of ["checks", "beside", "answers", "command", "bench-page", "tells-more"]) {
+  for (const name of ["checks", "both-fits", "answers", "command", "bench-page", "tells-more"]) {
     $(name).replaceChildren();
   }
-  limitsFound({ html: "", refusal: "" });
+  showLimits({ html: "", refusal: "" });
   $("simulated").hidden = true;
-  for (const end of all("[data-cut]")) put(end.id, "");
+  for (const end of all("[data-cut]")) setField(end.id, "");
 }
 
-let drawnOf = "";
+let shownStudy = "";
 
-function settled(/** @type {any} */ head) {
-  // what stands there of both tests is old, and looks so, until their solid is found anew
-  const old = state.joint && drawnOf === test()?.id;
-  pictured = test()?.id || "";
+function showFit(/** @type {any} */ head) {
+  // the combined fit of before is shown as outdated until the new one arrives
+  const old = state.joint && shownStudy === test()?.id;
+  shownRecord = test()?.id || "";
   if (!old) {
     for (const [name, html] of Object.entries(head.panels)) panel(name, html);
     $("answers").replaceChildren();
@@ -215,22 +235,22 @@ function settled(/** @type {any} */ head) {
   }
   $("grid").classList.toggle("old", old);
   if (old) $("command").textContent = head.command;
-  else told(head);
+  else showChecks(head);
   solid(head.solid, false, head.arms);
-  $("beside").innerHTML = head.beside;
-  $("beside").hidden = !Object.keys(state.job.time_limits).length;
+  $("both-fits").innerHTML = head.both_fits;
+  $("both-fits").hidden = !Object.keys(state.job.time_limits).length;
   $("pressed").textContent = head.pressed.message;
   field("compression").placeholder = head.pressed.value || "weight";
   field("specimen-temperature").placeholder = head.temperature || "not given";
-  found = { arms: head.arms, law: head.law, time_limits: head.time_limits, end: head.end };
+  automatic = { arms: head.arms, law: head.law, time_limits: head.time_limits, end: head.end };
   const [first, last] = head.clock;
   placeHandles(head.time_limits, { first, last, step: head.step }, !old);
   $("right").classList.remove("moving");
   fit();
 }
 
-/** What every answer tells of the solid. */
-function told(/** @type {any} */ head) {
+/** Show what every answer has: checks, command, simulated data. */
+function showChecks(/** @type {any} */ head) {
   $("checks").innerHTML = head.checks;
   $("command").textContent = head.command;
   $("simulated").hidden = !head.simulated;
@@ -238,8 +258,8 @@ function told(/** @type {any} */ head) {
 }
 
 /**
- * Where a column is too short for all of it the choices fold, then notes are counted alone, then
- * what helps is, then the last of what failed: one press shows them in place of the numbers.
+ * Fit the column to its height: fold the choices, then hide the notes, then the remedies, then the
+ * last failed checks. One button shows them in place of the numbers.
  */
 export function fit() {
   const right = $("right"), more = document.getElementById("more-checks");
@@ -263,7 +283,7 @@ export function fit() {
   more.setAttribute("aria-expanded", "false");
 }
 
-/** All checks in full, in place of the numbers, and back. */
+/** Show all checks in place of the numbers, or the numbers again. */
 export function moreChecks() {
   if ($("right").classList.contains("checking")) return fit();
   $("right").classList.add("checking");
@@ -272,7 +292,7 @@ export function moreChecks() {
   $("more-checks").setAttribute("aria-expanded", "true");
 }
 
-/** A question that takes seconds, can be cancelled, and says meanwhile what is done. */
+/** Send a request that takes seconds: it can be cancelled and shows its progress. */
 function slowly(
   /** @type {string} */ verb,
   /** @type {any} */ request,
@@ -280,7 +300,7 @@ function slowly(
   without = () => {},
 ) {
   const since = performance.now();
-  atWork(1);
+  countWorking(1);
   let over = false;
   const timer = setInterval(async () => {
     const at = await call("GET", "/api/working").catch(() => null);
@@ -294,63 +314,70 @@ function slowly(
     if (over) return;
     over = true;
     clearInterval(timer);
-    atWork(-1);
+    countWorking(-1);
   };
-  ask("slow", verb, request, ({ head }) => {
+  askQueued("slow", verb, request, ({ head }) => {
     end();
     if (done(head) !== false) status(`done in ${seconds(since)}`);
-  }, (said) => {
+  }, (message) => {
     end();
     without();
-    ends(said);
-    status(said === cancelled ? "cancelled" : "stopped");
+    showFailure(message);
+    status(message === cancelled ? "cancelled" : "stopped");
   }, end);
 }
 
-/** Both sides that are held against each other, each the first that there is if it is not chosen. */
+/** The two models that are compared; the first ones by default. */
 function ab() {
   const every = solids().map(([name]) => name), now = test()?.id;
-  const usual = [`fit ${now}`, every.find((one) => one !== `fit ${now}`) || `fit ${now}`];
-  const [a, b] = [state.ab.a, state.ab.b].map((one, i) => every.includes(one) ? one : usual[i]);
+  const defaults = [
+    `fit ${now}`,
+    every.find((name) => name !== `fit ${now}`) || `fit ${now}`,
+  ];
+  const [a, b] = [state.ab.a, state.ab.b].map((name, i) =>
+    every.includes(name) ? name : defaults[i]
+  );
   return { a, b };
 }
 
-/** What is laid over each other or held against each other: two models, or all tests. */
+/** What is compared: two models, or all tests. */
 const against = () => state.against === "all" ? overlaid() : ab();
 
-/** Every test by itself, with the choices of the page. */
+/** Jobs of all tests, each by itself, with the options of the page. */
 function overlaid() {
-  return state.files.filter(isTest).map((one) => jobOf(`fit ${one.id}`)).map((one) => ({
-    ...one,
+  return state.files.filter(isTest).map((openFile) => jobOf(`fit ${openFile.id}`)).map((
+    testJob,
+  ) => ({
+    ...testJob,
     impact: [],
     reading_impact: {},
     time_limits: {},
   }));
 }
 
-/** All tests over each other. */
+/** Request all tests in one figure. */
 function overlay() {
   const now = question();
-  asks(now, "All tests are fitted, each by itself.");
+  askQuestion(now, "All tests are fitted, each by itself.");
   slowly("overlay", { jobs: overlaid(), sizes: sizes() }, (head) => {
     for (const [name, html] of Object.entries(head.panels)) panel(name, html);
-    stand("seals-table", head.table);
+    setHtml("seals-table", head.table);
     $("simulated").hidden = !head.simulated;
     $("command").textContent = head.command;
-    knows(now, head, true);
+    takeAnswer(now, head, true);
     return true;
   });
 }
 
-/** Two fits against each other. */
+/** Request the comparison of two fits. */
 function compare() {
   if (state.against === "all") return overlay();
   const { a, b } = ab(), now = question();
-  asks(now, "Both fits are compared.");
-  for (const [side, chosen] of [["a", a], ["b", b]]) {
-    const all = solids().map(([name, words]) => made("option", { value: name }, words));
+  askQuestion(now, "Both fits are compared.");
+  for (const [side, name] of [["a", a], ["b", b]]) {
+    const all = solids().map(([name, words]) => createElement("option", { value: name }, words));
     $(`ab-${side}`).replaceChildren(...all);
-    field(`ab-${side}`).value = chosen;
+    field(`ab-${side}`).value = name;
   }
   const request = { a: { job: jobOf(a) }, b: { job: jobOf(b) }, sizes: sizes() };
   slowly("against", request, (head) => {
@@ -358,150 +385,165 @@ function compare() {
     $("ab-table").innerHTML = head.table;
     $("simulated").hidden = !head.simulated;
     $("command").textContent = "";
-    knows(now, head, true);
+    takeAnswer(now, head, true);
     return true;
   });
 }
 
-/** The whole story: bound, hammer, joint fit. */
+/** Request limits, comparison with the hammer test, and the combined fit. */
 export function study(again = false) {
   if (!test()) return;
   if (state.against) return compare();
   const now = question();
-  asks(
+  askQuestion(
     now,
-    `${chosen()}${hammers().length ? "The hammer is compared." : "Its limits are computed."}`,
+    `${describeLastChoice()}${
+      hammers().length ? "The hammer is compared." : "Its limits are computed."
+    }`,
   );
-  const asked = { job: job(), sizes: sizes(), base: state.base, phase: state.phase };
-  slowly("study", { ...asked, limits: limits() }, (head) => {
-    studied(head);
-    limitsFound(head.limits);
-    knows(now, head, !head.hint);
-    if (head.hint) stops(head.hint, { words: "Give the mass", act: "mass" });
+  const request = { job: job(), sizes: sizes(), base: state.base, phase: state.phase };
+  slowly("study", { ...request, limits: limits() }, (head) => {
+    showStudy(head);
+    showLimits(head.limits);
+    takeAnswer(now, head, !head.hint);
+    if (head.hint) endQuestion(head.hint, { words: "Give the mass", act: "mass" });
     if (again || !tooTall()) return true;
     study(true);
     return false;
   });
 }
 
-/** What is asked of the file that is shown, if the page fits it by itself, and by which verb. */
+/** Request for the shown file, if it is fitted by itself; null otherwise. */
 export function bench() {
-  const asked = benchAsked();
-  return asked && { ...asked, request: { ...asked.request, limits: limits() } };
+  const request = makeBenchRequest();
+  return request && { ...request, request: { ...request.request, limits: limits() } };
 }
 
-function benchAsked() {
-  const one = shown();
-  if (!one || !isBench(one)) return null;
-  const { id: file, options, temperature } = one, { arms, mass, seals } = state.job;
+function makeBenchRequest() {
+  const openFile = shown();
+  if (!openFile || !isBench(openFile)) return null;
+  const { id: file, options, temperature } = openFile, { arms, mass, seals } = state.job;
   // in one column it is none itself
   const width = $("main").clientWidth || document.body.clientWidth;
-  const room = { bench: [width - 16, 0] };
-  if (isJudged(one)) return { verb: "judged", request: { ...judged(one), sizes: room } };
-  if (isHitsAlone(one)) {
-    const files = readAlike(state.files.filter(isHits)).map((each) => each.id);
+  const pageSize = { bench: [width - 16, 0] };
+  if (isStandalone(openFile)) {
+    return { verb: "standalone", request: { ...makeKindRequest(openFile), sizes: pageSize } };
+  }
+  if (isHammerOnly(openFile)) {
+    const files = selectSpecimen(state.files.filter(isHits)).map((each) => each.id);
     const { band } = state.frfs;
     const request = { files, options, hammer: state.job.hammer, band };
     return { verb: "hammer", request: { ...request, sizes: sizes() } };
   }
-  if (isModes(one)) {
-    const every = readAlike(state.files.filter(isModes)), { of, band } = state.frfs;
+  if (isModes(openFile)) {
+    const every = selectSpecimen(state.files.filter(isModes)), { of, band } = state.frfs;
     const files = every.map((each) => each.id);
     const by = of === "masses" ? { masses: every.map((each) => each.mass || ""), seals } : {};
-    return { verb: "modes", request: { files, ...by, options: one.options, band, sizes: room } };
+    return {
+      verb: "modes",
+      request: { files, ...by, options: openFile.options, band, sizes: pageSize },
+    };
   }
-  if (!isLevel(one)) {
-    return { verb: "bench", request: { file, options, temperature, arms, sizes: room } };
+  if (!isLevel(openFile)) {
+    return { verb: "bench", request: { file, options, temperature, arms, sizes: pageSize } };
   }
   const { at, law } = state.levels;
-  if (!isResponse(one)) {
-    return { verb: "level", request: { files: [file], options, law, sizes: room } };
+  if (!isResponse(openFile)) {
+    return { verb: "level", request: { files: [file], options, law, sizes: pageSize } };
   }
-  const all = readAlike(state.files.filter((each) => isResponse(each) && each.level));
+  const all = selectSpecimen(state.files.filter((each) => isResponse(each) && each.level));
   const files = all.map((each) => each.id), levels = all.map((each) => each.level);
   const wanted = at.split(/[\s;]+/).filter(Boolean).map((force) => `${force.replace(",", ".")}N`);
-  const request = { files, levels, options: all[0].options, mass, seals, at: wanted, sizes: room };
+  const request = {
+    files,
+    levels,
+    options: all[0].options,
+    mass,
+    seals,
+    at: wanted,
+    sizes: pageSize,
+  };
   return { verb: "level", request };
 }
 
-/** What is asked of a kind that stands alone, and of which files. */
-function judged(/** @type {import("./job.js").OpenFile} */ one) {
-  const of = one.page === "part" ? door() || one : one, kind = kindOf(of);
-  const { options } = of, said = state.said[kind] || {};
+/** Request for a kind that is fitted by itself, and its files. */
+function makeKindRequest(/** @type {import("./job.js").OpenFile} */ openFile) {
+  const of = openFile.page === "part" ? door() || openFile : openFile, kind = kindOf(of);
+  const { options } = of, form_values = state.formValues[kind] || {};
   if (kind === "door") {
     const others = state.files.filter((each) => each !== of).map((each) => each.id);
-    return { kind, files: [of.id, ...others], said, options: {}, test: test()?.id || "" };
+    return { kind, files: [of.id, ...others], form_values, options: {}, test: test()?.id || "" };
   }
-  return { kind, files: alike(of).map((each) => each.id), said, options };
+  return { kind, files: getFilesOfKind(of).map((each) => each.id), form_values, options };
 }
 
-let benched = "";
+let shownBench = "";
 
 function fitBench(/** @type {{verb: string, request: any}} */ { verb, request }) {
   const now = question();
-  // what stands there may be another file's
-  if (benched !== state.current) nothing();
-  benched = state.current;
+  // the page may show another file
+  if (shownBench !== state.current) clearPage();
+  shownBench = state.current;
   slowly(verb, request, (head) => {
-    knows(now, head, true);
+    takeAnswer(now, head, true);
     $("solid").innerHTML = head.solid;
     solid(head.solid, state.joint, head.arms);
     $("answers").innerHTML = head.answers || "";
-    $("beside").hidden = true;
-    told(head);
-    limitsFound(head.limits);
+    $("both-fits").hidden = true;
+    showChecks(head);
+    showLimits(head.limits);
     fit();
-    if (verb === "hammer") return hitsAlone(head);
+    if (verb === "hammer") return showHammerOnly(head);
     strips($("bench-page"), head.figures, verb, head.facts);
     return true;
-  }, nothing);
+  }, clearPage);
 }
 
-/** Poles of the stabilisation chart that stands there, each its frequency, Hz. */
+/** Frequencies of the poles in the stabilisation chart, Hz. */
 export let poles = /** @type {number[]} */ ([]);
 
-function hitsAlone(/** @type {any} */ head) {
+function showHammerOnly(/** @type {any} */ head) {
   for (const [name, html] of Object.entries(head.hit_panels)) panel(name, html);
-  stand("hit-table", head.hits);
+  setHtml("hit-table", head.hits);
   poles = head.poles.map((/** @type {number[]} */ pole) => pole[0]);
   return true;
 }
 
-function studied(/** @type {any} */ head) {
-  drawnOf = test()?.id || "";
+function showStudy(/** @type {any} */ head) {
+  shownStudy = test()?.id || "";
   $("grid").classList.remove("old");
   for (
     const [name, html] of Object.entries({ frf: head.frf, ...head.hit_panels, ...head.panels })
   ) {
     panel(name, html);
   }
-  if (state.joint) $("beside").hidden = true; // it is of the relaxation test alone
-  stand("hit-table", head.hits);
-  for (const one of hammers()) one.line = head.hammer || one.line;
+  if (state.joint) $("both-fits").hidden = true; // it is of the relaxation test alone
+  setHtml("hit-table", head.hits);
+  for (const openFile of hammers()) openFile.line = head.hammer || openFile.line;
   fileList();
   $("answers").innerHTML = head.answers;
   solid(head.solid, state.joint, head.arms);
-  told(head);
+  showChecks(head);
   fit();
   placeHandles(head.time_limits, null, true);
 }
 
-/** The response of the mass while it moves. */
+/** Request the response while the mass is changed. */
 export function predict() {
   if (!test() || !state.job.mass) return;
   const now = question();
-  asks(now, LATER, "While the mass moves");
+  askQuestion(now, LATER, "While the mass moves");
   status("following");
-  ask(
+  askQueued(
     "mass",
     "predict",
     { job: job(), base: state.base, phase: state.phase },
     ({ head, arrays }) => {
       curves(arrays);
-      moves(`Peak at ${head.peak}. ${LATER}`);
+      showProgress(`Peak at ${head.peak}. ${LATER}`);
       $("command").textContent = head.command;
       performance.mark("dashpot-mass");
     },
-    ends,
+    showFailure,
   );
 }

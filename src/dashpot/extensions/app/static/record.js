@@ -1,9 +1,9 @@
-// An instrument that is read: what it is, its force and displacement as they come, and the way on.
-import { $, all, field, made, status, words } from "./dom.js";
+// Recording from an instrument: its settings, force and displacement as they arrive, and the fit.
+import { $, all, createElement, field, status, words } from "./dom.js";
 import { call } from "./wire.js";
 
 /** @typedef {{name: string, now: string, svg: string}} Drawn */
-/** @typedef {{running: boolean, rows: number, message: string, failed: string, drawn: Drawn[], kept: {id: string, name: string} | null}} Seen */
+/** @typedef {{running: boolean, rows: number, message: string, failed: string, drawn: Drawn[], saved_file: {id: string, name: string} | null}} Seen */
 
 const BEAT = 500;
 const TALL = 210, TALL_NARROW = 180, NARROW = 900;
@@ -13,21 +13,23 @@ let running = false;
 
 const button = (/** @type {string} */ id) => /** @type {HTMLButtonElement} */ ($(id));
 
-function refuse(/** @type {string} */ said) {
-  $("refusal").textContent = said;
-  $("refusal").hidden = !said;
+function refuse(/** @type {string} */ message) {
+  $("refusal").textContent = message;
+  $("refusal").hidden = !message;
 }
 
 function choices() {
   const driver = field("driver").value;
-  for (const one of all("[data-of]")) one.hidden = !one.dataset.of?.split(" ").includes(driver);
+  for (const entry of all("[data-of]")) {
+    entry.hidden = !entry.dataset.of?.split(" ").includes(driver);
+  }
 }
 
 function show(/** @type {Seen} */ seen) {
   running = seen.running;
   button("start").disabled = running;
   button("stop").disabled = !running;
-  button("fit").disabled = !seen.kept;
+  button("fit").disabled = !seen.saved_file;
   $("simulated").hidden = !seen.message.includes("simulated");
   const over = seen.rows ? "recorded" : "nothing is recorded";
   status(running ? `recording, ${seen.rows} samples` : over);
@@ -35,10 +37,10 @@ function show(/** @type {Seen} */ seen) {
   if (seen.failed) refuse(seen.failed);
   $("panels").replaceChildren(...seen.drawn.map(({ name, now, svg }) => {
     const [, what, unit] = name.match(/(.*) \[(.*)\]/) || ["", name, ""];
-    const figure = made("figure", { class: "card", "data-channel": what });
-    const body = made("div", { class: "body" });
+    const figure = createElement("figure", { class: "card", "data-channel": what });
+    const body = createElement("div", { class: "body" });
     body.innerHTML = svg;
-    figure.append(made("figcaption", {}, `${what}, now ${now} ${unit}`), body);
+    figure.append(createElement("figcaption", {}, `${what}, now ${now} ${unit}`), body);
     return figure;
   }));
 }
@@ -70,9 +72,9 @@ async function act(/** @type {() => Promise<unknown>} */ what) {
 $("driver").addEventListener("change", choices);
 $("device").addEventListener("submit", (event) => {
   event.preventDefault();
-  const asked = Object.fromEntries(FIELDS.map((name) => [name, field(name).value]));
+  const settings = Object.fromEntries(FIELDS.map((name) => [name, field(name).value]));
   act(async () => {
-    await call("POST", "/api/record", JSON.stringify(asked));
+    await call("POST", "/api/record", JSON.stringify(settings));
     await follow();
   });
 });
@@ -89,8 +91,8 @@ $("fit").addEventListener("click", () =>
 addEventListener("resize", () => $("panels").childElementCount && !running && act(look));
 
 const state = await call("GET", "/api/state").catch(() => ({}));
-for (const one of [...(state.files || []), ...(state.open || [])]) {
-  $("file").append(made("option", { value: one.id }, one.name));
+for (const entry of [...(state.files || []), ...(state.open || [])]) {
+  $("file").append(createElement("option", { value: entry.id }, entry.name));
 }
 choices();
 await follow();

@@ -1,15 +1,15 @@
 // The open files on disk: hash and time of each, and what changed since it was read.
 import { field } from "./dom.js";
 import { picked, readAgain } from "./files.js";
-import { readsOnly, state } from "./job.js";
+import { isReadOnly, state } from "./job.js";
 import { settle } from "./questions.js";
 import { fileList } from "./shown.js";
 import { refuse, render } from "./verdict.js";
-import { watched } from "./wire.js";
+import { fetchFileStates } from "./wire.js";
 
-/** Between two looks, ms. */
+/** Interval between two checks, ms. */
 const PERIOD = 1000;
-/** Looks that get no answer before the server is taken for gone. */
+/** Checks without an answer after which the server is taken for gone. */
 const MISSED = 2;
 
 /** Whether a file that was chosen can no longer be read: it changed, or it is gone. */
@@ -20,10 +20,10 @@ async function isStale(/** @type {string} */ id) {
 
 let missed = 0;
 
-/** Ask of all open files. */
-async function asked() {
+/** Return the state of all open files on disk, or null without an answer. */
+async function fetchStates() {
   try {
-    const seen = await watched(state.files.map((one) => one.id));
+    const seen = await fetchFileStates(state.files.map((openFile) => openFile.id));
     missed = 0;
     return seen;
   } catch {
@@ -32,41 +32,41 @@ async function asked() {
   }
 }
 
-/** Look once: what changed is read again, what is written or gone is said. */
-async function look() {
-  const seen = await asked();
+/** Check once: read again what changed, and show what is being written or gone. */
+async function checkFiles() {
+  const seen = await fetchStates();
   if (!seen) {
     if (missed === MISSED) refuse("the server is gone: start 'dashpot app' again");
     return;
   }
   let drawn = false, changed = false;
-  for (const one of [...state.files]) {
-    const at = seen[one.id];
+  for (const openFile of [...state.files]) {
+    const at = seen[openFile.id];
     if (!at) continue;
-    const before = JSON.stringify([one.hash, one.when, one.watch]);
-    one.hash = at.sha256;
-    one.when = at.when;
-    one.watch = at.state || (await isStale(one.id) ? "stale" : "");
-    drawn ||= before !== JSON.stringify([one.hash, one.when, one.watch]);
-    if (at.state !== "changed" || readsOnly() || field("mass").dataset.typed) continue;
+    const before = JSON.stringify([openFile.hash, openFile.when, openFile.watch]);
+    openFile.hash = at.sha256;
+    openFile.when = at.when;
+    openFile.watch = at.state || (await isStale(openFile.id) ? "stale" : "");
+    drawn ||= before !== JSON.stringify([openFile.hash, openFile.when, openFile.watch]);
+    if (at.state !== "changed" || isReadOnly() || field("mass").dataset.typed) continue;
     changed = true;
-    await readAgain(one, at.new);
+    await readAgain(openFile, at.new);
   }
   for (const id of picked.keys()) {
-    if (!state.files.some((one) => one.id === id)) picked.delete(id);
+    if (!state.files.some((openFile) => openFile.id === id)) picked.delete(id);
   }
   if (drawn || changed) fileList();
   if (changed) settle();
   render();
 }
 
-/** Look again and again; at once when the page is seen again. */
+/** Check periodically; at once when the page becomes visible. */
 export function begin() {
   let looking = false;
   const once = async () => {
     if (looking || !state.files.length) return;
     looking = true;
-    await look().finally(() => {
+    await checkFiles().finally(() => {
       looking = false;
     });
   };

@@ -1,43 +1,43 @@
-// Questions to the server: one in flight in each lane, the last one wins.
+// Requests to the server: one in flight per queue; a later one replaces the one that waits.
 
 export const cancelled = "cancelled";
 
 /** @typedef {{head: any, arrays: Record<string, Float32Array>}} Answer */
 
-let awaited = 0;
+let pending = 0;
 
-/** Fetch; whoever looks at the page from outside sees whether an answer is awaited. */
-async function fetched(/** @type {string} */ path, /** @type {RequestInit} */ how) {
-  document.body.dataset.busy = String(++awaited > 0);
+/** Fetch bytes; `data-busy` of the page shows whether a request is pending. */
+async function fetchBytes(/** @type {string} */ path, /** @type {RequestInit} */ how) {
+  document.body.dataset.busy = String(++pending > 0);
   try {
     const answer = await fetch(path, { credentials: "same-origin", ...how }).catch(() => {
       throw new Error("the server is gone: start 'dashpot app' again");
     });
-    if (!answer.ok) throw await refused(answer);
+    if (!answer.ok) throw await makeError(answer);
     return await answer.arrayBuffer();
   } finally {
-    document.body.dataset.busy = String(--awaited > 0);
+    document.body.dataset.busy = String(--pending > 0);
   }
 }
 
-async function refused(/** @type {Response} */ answer) {
-  const said = await answer.json().catch(() => ({}));
-  return new Error(said.error || `the server answered ${answer.status}`);
+async function makeError(/** @type {Response} */ answer) {
+  const body = await answer.json().catch(() => ({}));
+  return new Error(body.error || `the server answered ${answer.status}`);
 }
 
-/** What is no message: JSON in, JSON out. */
+/** Request with JSON in and JSON out. */
 export async function call(
   /** @type {string} */ method,
   /** @type {string} */ path,
   /** @type {BodyInit | null} */ body = null,
 ) {
-  const said = await fetched(path, { method, body });
-  return JSON.parse(new TextDecoder().decode(said));
+  const buffer = await fetchBytes(path, { method, body });
+  return JSON.parse(new TextDecoder().decode(buffer));
 }
 
-/** One question, one message. @returns {Promise<Answer>} */
+/** Request with a message of head and arrays as the answer. @returns {Promise<Answer>} */
 export async function send(/** @type {string} */ verb, /** @type {any} */ request) {
-  const buffer = await fetched(`/api/${verb}`, {
+  const buffer = await fetchBytes(`/api/${verb}`, {
     method: "POST",
     body: JSON.stringify(request),
   });
@@ -51,33 +51,33 @@ export async function send(/** @type {string} */ verb, /** @type {any} */ reques
   return { head, arrays };
 }
 
-/** What open files are on disk, without a sign that an answer is awaited; fails without a server. */
-export async function watched(/** @type {string[]} */ files) {
+/** State of open files on disk, without `data-busy`; fails without a server. */
+export async function fetchFileStates(/** @type {string[]} */ files) {
   const how = { method: "POST", body: JSON.stringify({ files }) };
   const answer = await fetch("/api/watch", { credentials: "same-origin", ...how });
   return answer.ok ? await answer.json() : {};
 }
 
 /** @type {Record<string, {busy: boolean, next: (() => void) | null, replaced: () => void}>} */
-const lanes = {};
-// an answer that is no longer asked for would flicker; a curve that follows should move
+const queues = {};
+// an outdated answer would flicker; a curve that follows a handle should move
 const FOLLOWING = new Set(["live", "mass"]);
 
-/** Ask in a lane; a later question of the lane replaces the one before, which is told at once. */
-export function ask(
-  /** @type {string} */ lane,
+/** Send a request in a queue; it replaces one that waits there, whose `replaced` is called. */
+export function askQueued(
+  /** @type {string} */ queue,
   /** @type {string} */ verb,
   /** @type {any} */ request,
   /** @type {(answer: Answer) => void} */ done,
   /** @type {(words: string) => void} */ failed,
   replaced = () => {},
 ) {
-  const at = (lanes[lane] ||= { busy: false, next: null, replaced });
+  const at = (queues[queue] ||= { busy: false, next: null, replaced });
   const go = async () => {
     at.busy = true;
     try {
       const answer = await send(verb, request);
-      if (!at.next || FOLLOWING.has(lane)) done(answer);
+      if (!at.next || FOLLOWING.has(queue)) done(answer);
     } catch (error) {
       if (!at.next) failed(error instanceof Error ? error.message : String(error));
     } finally {
@@ -93,9 +93,9 @@ export function ask(
   else go();
 }
 
-/** Want no more what is asked in a lane. */
-export function forget(/** @type {string} */ lane) {
-  if (!lanes[lane]?.busy) return;
-  lanes[lane].replaced();
-  lanes[lane].replaced = lanes[lane].next = () => {};
+/** Drop the answers of a queue. */
+export function forget(/** @type {string} */ queue) {
+  if (!queues[queue]?.busy) return;
+  queues[queue].replaced();
+  queues[queue].replaced = queues[queue].next = () => {};
 }

@@ -167,11 +167,11 @@ def _make_scatter_chart(
     rounding = _ROUNDING * abs(centre)
     with np.errstate(invalid="ignore"):
         is_outside = (values < lower - rounding) | (values > upper + rounding)
-    signals = tuple(Signal(int(i), BEYOND) for i in np.flatnonzero(is_outside))
+    signals = tuple(Signal(int(i), OUTSIDE_LIMITS) for i in np.flatnonzero(is_outside))
     return Chart(kind, values, centre, lower, upper, signals)
 
 
-BEYOND = "beyond the control limits"
+OUTSIDE_LIMITS = "beyond the control limits"
 SIDE, TREND, TWO_OF_THREE, FOUR_OF_FIVE = (
     "nine in a row on one side of the mean",
     "six in a row that rise or fall",
@@ -188,7 +188,7 @@ def run_signals(z: FloatArray) -> Iterator[Signal]:
     """
     for i, value in enumerate(z):
         if abs(value) > 3:
-            yield Signal(i, BEYOND)
+            yield Signal(i, OUTSIDE_LIMITS)
         # a run that begins before the first point is too short
         if abs(np.sign(z[max(i - 8, 0) : i + 1]).sum()) == 9:
             yield Signal(i, SIDE)

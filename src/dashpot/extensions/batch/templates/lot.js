@@ -52,7 +52,7 @@ function draw() {
     }),
   );
   const last = Math.min(from + PAGE, rows.length);
-  box("found").textContent = rows.length ? `${from + 1} to ${last} of ${rows.length}` : "none";
+  box("shown-rows").textContent = rows.length ? `${from + 1} to ${last} of ${rows.length}` : "none";
   box("before").disabled = from === 0;
   box("after").disabled = last >= rows.length;
 }
@@ -84,9 +84,10 @@ if (bar && body && every.rows?.length) {
   box("before").addEventListener("click", () => ((from -= PAGE), draw()));
   box("after").addEventListener("click", () => ((from += PAGE), draw()));
   for (
-    const one of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-find]"))
+    const element
+      of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-find]"))
   ) {
-    one.addEventListener("click", () => find("", one.dataset.find || ""));
+    element.addEventListener("click", () => find("", element.dataset.find || ""));
   }
   const chart = /** @type {HTMLElement | null} */ (document.querySelector("[data-points]"));
   const points = /** @type {[string, string][]} */ (JSON.parse(chart?.dataset.points || "[]"));

@@ -16,7 +16,7 @@ from dashpot.extensions.curves.datamodel.creep import CreepCompliance, CreepTest
 from dashpot.extensions.curves.material_records import refuse_creep_sizes
 from dashpot.extensions.curves.modulus.read import read_over_time
 from dashpot.reading.columns.file_kinds import FileKind
-from dashpot.reading.columns.role_assignment import assign, score_columns
+from dashpot.reading.columns.role_assignment import assign_role, score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels, size_checks
@@ -79,14 +79,14 @@ def read_creep_in(file: OpenedFile, specimen: Specimen) -> CreepTest | CreepComp
         file.options.rate or _is_likely_column(file, "time", _NAMED_SCORE)
     ):
         likely_kinds.append("stress-strain")  # what moves in it decides
-    channels.expect(file, likely_kinds, "a creep test is", stated_columns=signal_names)
+    channels.refuse_other_kinds(file, likely_kinds, "a creep test is", stated_columns=signal_names)
     if role_names is _CURVE:
         return _read_curve(file, *add_specimen_temperature(file, specimen))
-    channels_chosen = channels.choose(file, channels.add_time_role(file, *role_names[1:]))
+    channels_chosen = channels.choose_channels(file, channels.add_time_role(file, *role_names[1:]))
     specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
 
     def source(notes: list[str]) -> Source:
-        return channels.source(
+        return channels.make_source(
             file, [channel.message for channel in channels_chosen], [*notes, *sentences]
         )
 
@@ -120,15 +120,17 @@ def _refuse_sizes(
 
 def _read_curve(file: OpenedFile, specimen: Specimen, sentences: list[str]) -> CreepCompliance:
     """A compliance over time, where a column of temperature says several, at each of them."""
-    curve = assign(file.table, "creep_compliance", file.options)
-    columns = channels.answered(file, [assign_time_since_step(file.table, file.options), curve])
+    curve = assign_role(file.table, "creep_compliance", file.options)
+    columns = channels.require_answers(
+        file, [assign_time_since_step(file.table, file.options), curve]
+    )
     channels_chosen, values, temperature, notes = read_over_time(file, columns)
     return CreepCompliance(
         values["time"],
         values["creep_compliance"],
         si_unit(channels_chosen[1].unit.dimension).word,
         specimen,
-        channels.source(
+        channels.make_source(
             file,
             [channel.message for channel in channels_chosen],
             [*file.table.notes, *notes, *sentences],

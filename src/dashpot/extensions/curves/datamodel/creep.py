@@ -13,10 +13,10 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
     median,
     resolve_unit,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -93,7 +93,7 @@ class CreepTest(EqualByValue, HasSummary, Serialisable):
             object.__setattr__(
                 self, "unit", _determine_stiffness_unit(arrays["displacement"], arrays["force"])
             )
-        hold_measured(self, "time", "displacement", "force", minimum=8)
+        validate_measured_fields(self, "time", "displacement", "force", minimum=8)
         _require_unit(self.unit, COMPLIANCES)
         if self.unit == "N/m":
             refuse_absurd_record(self)
@@ -261,7 +261,7 @@ class LoadHold(EqualByValue, HasSummary, Serialisable):
     lead: float = 0.0
 
     def __post_init__(self) -> None:
-        hold_measured(self, "time", "displacement", "force", "load", minimum=8)
+        validate_measured_fields(self, "time", "displacement", "force", "load", minimum=8)
         if not self.onset <= self.ramp_end < self.hold_end:
             raise DataError(
                 f"the load must rise and be held in that order, found onset {self.onset:g} s, "

@@ -13,9 +13,9 @@ from dashpot.base.arrays import (
     FloatArray,
     IndexArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
     resolve_unit,
+    validate_measured_fields,
 )
 from dashpot.base.errors import DataError
 from dashpot.base.provenance import Source, describe_record_source
@@ -87,7 +87,7 @@ class DynamicTest(EqualByValue, HasSummary, Serialisable):
             temperature="temperature",
         )
         resolve_unit(self, arrays, "storage", "loss")
-        hold_measured(self, "frequency", "storage", "loss", "temperature")
+        validate_measured_fields(self, "frequency", "storage", "loss", "temperature")
         if self.temperature is not None:
             tested_at("temperature", self.temperature.min(), self.temperature.max())
         bad_indices = np.flatnonzero(self.frequency <= 0)

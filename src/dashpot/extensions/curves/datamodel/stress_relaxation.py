@@ -9,8 +9,8 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
+    validate_measured_fields,
 )
 from dashpot.base.provenance import Source, describe_record_source
 from dashpot.base.result_mixins import HasSummary, Series, collect_arrays
@@ -64,7 +64,7 @@ class StressRelaxationTest(EqualByValue, HasSummary, Serialisable):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, time="time", strain="strain", stress="stress")
-        hold_measured(self, "time", "strain", "stress", minimum=8)
+        validate_measured_fields(self, "time", "strain", "stress", minimum=8)
 
     def make_unit_specimen_test(self) -> RelaxationTest:
         """Return the test of a specimen of 1 mm by 1 mm^2: 1 N/mm of it is 1 MPa."""

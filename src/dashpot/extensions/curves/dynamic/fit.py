@@ -134,7 +134,7 @@ def make_frequency_block(
     )
 
 
-BY_SWEEPS = "a sweep to higher frequencies or a colder one"
+FAMILY_ADVICE = "a sweep to higher frequencies or a colder one"
 
 
 Weights: TypeAlias = Literal["relative", "modulus"]
@@ -226,7 +226,7 @@ def fit_dynamic(
     max_arm_count = validate_arm_count(arms, max_arms)
     sets = (
         _build_sweep(data, weights, dashpot=dashpot, max_arms=max_arm_count),
-        *_list_relaxations(records, max_arm_count),
+        *_build_relaxation_sets(records, max_arm_count),
     )
     selection = select_order(
         _stack_parts(sets), FitOptions(arms, max_arms=max_arms, thorough=thorough)
@@ -250,9 +250,9 @@ def fit_dynamic(
         )
     else:
         tau = family_choice.arms.model.tau
-        end = _limit_end(data, curve, selection, tau)
+        end = _compute_end_limits(data, curve, selection, tau)
         band, band_error = find_band(selection.solid, tau)
-    other = family_choice.alternative(band, BY_SWEEPS)
+    other = family_choice.alternative(band, FAMILY_ADVICE)
     data_checks = (
         kramers_kronig(compute_passive_misfit(data)),
         loss_positive(data),
@@ -353,7 +353,7 @@ def _compute_residual_statistics(error: FloatArray, weighted: Residual) -> Resid
 class _WeightedDataSet(NamedTuple):
     """One data set in units of its scatter: the block to solve, and one block per record.
 
-    Beside them the degrees of freedom of each after its own fit, and of a record its scatter, N.
+    Also the degrees of freedom of each separate fit, and the scatter of a record, N.
     """
 
     block: DataBlock
@@ -418,10 +418,14 @@ def _build_sweep(
 ) -> _WeightedDataSet:
     _validate_data(data, weights)
     n = len(data.frequency)
-    first = _build_sweep_block(data, _scale(data, data.value, weights), dashpot=dashpot)
+    first = _build_sweep_block(
+        data, _compute_expected_size(data, data.value, weights), dashpot=dashpot
+    )
     best = fit_single_test([first], _split_storage_and_loss(first, n), max_arms)
     # the size of noisy data is a biased weight: low values would speak loudest
-    storage, loss = _scale(data, best.model.complex_stiffness(omega=data.omega), weights)
+    storage, loss = _compute_expected_size(
+        data, best.model.complex_stiffness(omega=data.omega), weights
+    )
     scale = (storage * best.scatter[0], loss * best.scatter[1])
     block = _build_sweep_block(data, scale, dashpot=dashpot)
     return _WeightedDataSet(block, _split_storage_and_loss(block, n), best.record_dof)
@@ -449,7 +453,7 @@ def _validate_data(data: DynamicTest, weights: str) -> None:
         )
 
 
-def _scale(
+def _compute_expected_size(
     data: DynamicTest, expected: ComplexArray, weights: str
 ) -> tuple[FloatArray, FloatArray]:
     """Return what errors of storage and loss are relative to: the size expected of each."""
@@ -472,7 +476,7 @@ def _split_storage_and_loss(block: DataBlock, n: int) -> tuple[DataBlock, DataBl
     )
 
 
-def _list_relaxations(records: Sequence[RampHold], max_arms: int) -> list[_WeightedDataSet]:
+def _build_relaxation_sets(records: Sequence[RampHold], max_arms: int) -> list[_WeightedDataSet]:
     design = FitSetup("full")
     blocks = compress_tests(records, design)
     sets = []
@@ -495,7 +499,7 @@ def _weight_sweep(data: DynamicTest, sweep: _WeightedDataSet) -> CurveData | Non
     return weight_curve(sweep.block, data.frequency, window=window)
 
 
-def _limit_end(
+def _compute_end_limits(
     data: DynamicTest, curve: CurveData | None, selection: SelectedModel, tau: Sequence[float]
 ) -> EndOfHold | None:
     """Return the limits of the storage below a sweep; None for one of few lines."""
@@ -632,9 +636,9 @@ def _run_checks(
     data: DynamicTest,
     records: Sequence[RampHold],
     end: EndOfHold | None,
-    freedom: Sequence[float],
+    degrees_of_freedom: Sequence[float],
 ) -> tuple[Check, ...]:
-    """Return the checks of the fit; `freedom` is what each curve's own fit left of it."""
+    """Return the checks of the fit; `degrees_of_freedom` are those of the separate fits."""
     model, estimate, error = selection.model, selection.estimate, selection.error
     shortest, longest = 1 / float(data.omega.max()), 1 / float(data.omega.min())
     if records:
@@ -664,7 +668,7 @@ def _run_checks(
             None if records else end,
             unit=data.unit,
             first=fastest,
-            extra=sweep_advice,
+            remedy=sweep_advice,
         ),
         residuals_white(estimate.kappa, estimate.rms),
         *([] if selection.choice is None else [order_agreed(selection.choice)]),
@@ -676,7 +680,7 @@ def _run_checks(
             for residual, noise in zip(estimate.residuals, estimate.noises, strict=True)
         ]
         names = ["storage", "loss", *(f"relaxation test {i + 1}" for i in range(len(records)))]
-        all_checks.append(data_agree(residual_sds, names, freedom))
+        all_checks.append(data_agree(residual_sds, names, degrees_of_freedom))
     return tuple(all_checks)
 
 

@@ -48,7 +48,7 @@ def read_dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
     # who names the columns says what they are, not what was swept
     by_numbers = detect_table_kind(file.table, file.options)[0] == "strain-sweep"
     sweep_options = () if by_numbers else SWEEP_OPTIONS
-    channels.expect(
+    channels.refuse_other_kinds(
         file, ["dma", "master-curve"], "a sweep of frequency is", stated_columns=sweep_options
     )
     signal_roles, ratio = sweep_columns(file)
@@ -72,7 +72,7 @@ def read_dynamic_in(file: OpenedFile, specimen: Specimen) -> DynamicTest:
         values.get("temperature"),
         unit,
         specimen,
-        channels.source(file, [c.message for c in channels_chosen], notes),
+        channels.make_source(file, [c.message for c in channels_chosen], notes),
         units="SI",
     )
 

@@ -143,7 +143,7 @@ def fit_modulus(
         end,
         unit=unit,
         first=float(model.relaxation(t[0])),
-        extra="Measure longer.",
+        remedy="Measure longer.",
     )
     requested_checks = (
         selection.convergence_check,

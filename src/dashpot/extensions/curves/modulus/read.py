@@ -20,7 +20,7 @@ from dashpot.extensions.curves.material_records import (
     read_strain_and_stress,
 )
 from dashpot.reading.columns.file_kinds import KINDS_OF_FILE
-from dashpot.reading.columns.role_assignment import RoleAssignment, assign, format_column
+from dashpot.reading.columns.role_assignment import RoleAssignment, assign_role, format_column
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -37,7 +37,7 @@ from dashpot.reading.table import Question
 
 def roles(file: OpenedFile) -> tuple[Role, ...]:
     """The columns that a relaxation modulus is read from, or strain and stress in its place."""
-    curve, stress = (assign(file.table, role, file.options) for role in ("modulus", "stress"))
+    curve, stress = (assign_role(file.table, role, file.options) for role in ("modulus", "stress"))
     is_named = isinstance(curve, RoleAssignment)
     # the only column in a unit of stress is the stress where a strain stands beside it
     if isinstance(curve, RoleAssignment) and isinstance(stress, RoleAssignment):
@@ -65,9 +65,9 @@ def read_modulus(
             )
         assignments = [
             assign_time_since_step(file.table, file.options),
-            assign(file.table, "modulus", file.options),
+            assign_role(file.table, "modulus", file.options),
         ]
-        columns = channels.answered(file, assignments)
+        columns = channels.require_answers(file, assignments)
         _refuse_compliance(file, columns[1])
         channels_chosen, values, temperature, notes = read_over_time(file, columns)
         specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
@@ -76,7 +76,7 @@ def read_modulus(
             values["modulus"],
             si_unit(channels_chosen[1].unit.dimension).word,
             specimen,
-            channels.source(
+            channels.make_source(
                 file,
                 [channel.message for channel in channels_chosen],
                 (*file.table.notes, *notes, *sentences),

@@ -14,7 +14,8 @@ from dashpot.extensions.curves.superposition.joint_spectrum import ShiftSearch, 
 from dashpot.numerics.least_squares import Problem
 
 _LN10 = float(np.log(10.0))
-_STEP, _FARTHEST, _LEAST = 0.2, 4.0, 0.3
+_STEP, _MAX_SHIFT, _MIN_SHIFT = 0.2, 4.0, 0.3
+"""Decades: grid of trial shifts, and the smallest and the largest end of that grid."""
 
 
 def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) -> FloatArray:
@@ -23,8 +24,8 @@ def chain_shifts(pairs: Iterable[tuple[Problem, FloatArray]], reference: int) ->
     Parameters
     ----------
     pairs : iterable of (Problem, array)
-        One positive spectrum of each temperature and the next warmer one, its theta how much ln a
-        falls from that to this; and the falls that are tried.
+        Positive spectrum of each temperature and the next warmer one, whose theta is the decrease
+        of ln a from the colder to the warmer; and the decreases to try.
     reference : int
     """
     chain = np.concatenate(([0.0], -np.cumsum([_find_best_shift(*pair) for pair in pairs])))
@@ -45,15 +46,15 @@ def make_chained_starts(
 ) -> FloatArray:
     """Return ln a of each isotherm, by rising temperature, 0 at the reference."""
     return chain_shifts(
-        map(_compute_falls, pairwise(isotherms), pairwise(ln_b.tolist())), reference
+        map(_make_trial_shifts, pairwise(isotherms), pairwise(ln_b.tolist())), reference
     )
 
 
-def _compute_falls(
+def _make_trial_shifts(
     pair: tuple[Isotherm, Isotherm], ln_b: tuple[float, float]
 ) -> tuple[Problem, FloatArray]:
     shared = min(isotherm.window[1] - isotherm.window[0] for isotherm in pair) / _LN10
-    max_decades = min(max(shared - MIN_OVERLAP, _LEAST), _FARTHEST)
+    max_decades = min(max(shared - MIN_OVERLAP, _MIN_SHIFT), _MAX_SHIFT)
     log_shifts = _LN10 * np.arange(0.0, max_decades + _STEP / 2, _STEP)
     # of all that are tried, so that each knows where the spectrum of the last had weight
     grid = make_grid((pair[0], *pair), np.array([log_shifts[-1], 0.0, 0.0]))

@@ -10,7 +10,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray
 from dashpot.base.errors import ReadError
 from dashpot.datamodel.shift_factors import Shift
-from dashpot.reading.columns.role_assignment import assign, list_columns
+from dashpot.reading.columns.role_assignment import assign_role, list_columns
 from dashpot.reading.columns.vocabulary import normalise_name
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -35,7 +35,8 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
     """
     with channels.open_file(path, options) as file:
         columns = channels.add_units(
-            file, channels.answered(file, [assign(file.table, "temperature", file.options)])
+            file,
+            channels.require_answers(file, [assign_role(file.table, "temperature", file.options)]),
         )
         names = [_join_name_words(column) for column in file.table.columns]
         entries = {role: _find_column(names, pattern) for role, pattern in _PATTERNS.items()}
@@ -49,7 +50,7 @@ def read_shifts(path: str | Path, *, options: ReadOptions | None = None) -> tupl
         rows, _ = channels.select_complete_rows(
             channels.load(file.table, column_indices, file.options.segment)
         )
-        kelvin = channels.si(rows[:, 0].copy(), columns[0].unit)
+        kelvin = channels.scale_to_si(rows[:, 0].copy(), columns[0].unit)
         if len(set(kelvin.tolist())) < len(kelvin):
             raise ReadError("a temperature stands in the table of shifts twice")
         values, zeros = dict(zip(available, rows.T[1:], strict=True)), np.zeros(len(rows))

@@ -16,7 +16,7 @@ from dashpot.plot.plotted_data import (
     downsample_to_extremes,
     format_fit_stamp,
 )
-from dashpot.plot.relaxation import SINCE, fitted_force
+from dashpot.plot.relaxation import TIME_LABEL, fitted_force
 from dashpot.plot.style import sequential
 
 
@@ -60,7 +60,7 @@ def temperatures(fit: Fit, tests: Sequence[RampHold], *, stamp: str = "") -> Pic
         marks.append(Line(x, y, Pen("fit", 1.2), "" if shown_forces else "one model"))
         shown_forces.append(y)
     axes = (
-        Scale(SINCE, (shortest, longest), log=True),
+        Scale(TIME_LABEL, (shortest, longest), log=True),
         Scale("force, N", compute_padded_limits(*shown_forces)),
     )
     force_panel = Panel(*axes, tuple(marks), height=240)

@@ -78,7 +78,7 @@ from dashpot.fitting.valid_band import (
 )
 from dashpot.numerics.design_matrices.block import DataBlock
 from dashpot.numerics.exponential_fit import Solution, solve
-from dashpot.numerics.inference.model_order import Shortage, chi2_sf, is_significant_fall
+from dashpot.numerics.inference.model_order import ArmShortage, chi2_sf, is_significant_fall
 from dashpot.preprocessing.checks import check_records
 
 
@@ -255,7 +255,7 @@ def _arms_enough(best: ThermalOptimum, larger: ThermalOptimum) -> Check:
         residuals = (
             float(np.sqrt(solid.chi_square / rows)) for solid in (smaller_point, larger_point)
         )
-        arm_shortage = Shortage(smaller_point.order, larger_point.order, *residuals)
+        arm_shortage = ArmShortage(smaller_point.order, larger_point.order, *residuals)
     return arms_enough(arm_shortage, smaller_point.order, unit="sd")
 
 

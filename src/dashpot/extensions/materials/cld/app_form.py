@@ -9,7 +9,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.extensions.materials.cld.fit_files import CLDResult, cld_files
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (
+FORM_FIELDS = (
     FormField("compression", "Compression", "mm", "--compression"),
     FormField(
         "compression_limits", "Compression limits", "mm", "--compression-limits", form="range"

@@ -11,8 +11,8 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check, HasChecks
 from dashpot.base.provenance import Source, describe_record_source
@@ -25,7 +25,7 @@ from dashpot.datamodel.specimen import Specimen
 from dashpot.solids.elastic import ElasticLaw
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
-PER = 0.1
+QUOTED_LENGTH = 0.1
 """Length of seal that a force is quoted for, m."""
 
 SAME_SPEED = 1.5
@@ -79,7 +79,7 @@ class CLDTest(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, displacement="length", force="force", time="time")
-        hold_measured(self, "time", "displacement", "force", minimum=8)
+        validate_measured_fields(self, "time", "displacement", "force", minimum=8)
         refuse_absurd_record(self)
 
     @property
@@ -316,9 +316,9 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         Key("cycle", "cycle.number"),
         "softening",
         "set",
-        Key("least", "least_of"),
-        Key("nominal", "nominal_of"),
-        Key("most", "most_of"),
+        Key("least", "scaled_least"),
+        Key("nominal", "scaled_nominal"),
+        Key("most", "scaled_most"),
         "cycles",
         "checks",
     )
@@ -359,7 +359,7 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         return self.cycle.unloading
 
     @property
-    def met_later(self) -> float:
+    def contact_delay_error(self) -> float:
         """Compression that the first contact gains by a delay of one `delay_sd`, m."""
         return self.delay_sd * (self.cycle.speed or 0.0)
 
@@ -369,24 +369,24 @@ class CLD(EqualByValue, Plottable, HasChecks, Serialisable):
         return tuple(point for point in (self.least, self.nominal, self.most) if point is not None)
 
     @property
-    def least_of(self) -> ScaledCompressionValues | None:
+    def scaled_least(self) -> ScaledCompressionValues | None:
         """`least`, and of 100 mm."""
         return None if self.least is None else ScaledCompressionValues(self.least, self)
 
     @property
-    def nominal_of(self) -> ScaledCompressionValues:
+    def scaled_nominal(self) -> ScaledCompressionValues:
         """`nominal`, and of 100 mm."""
         return ScaledCompressionValues(self.nominal, self)
 
     @property
-    def most_of(self) -> ScaledCompressionValues | None:
+    def scaled_most(self) -> ScaledCompressionValues | None:
         """`most`, and of 100 mm."""
         return None if self.most is None else ScaledCompressionValues(self.most, self)
 
     @property
     def per(self) -> float:
         """Factor from a force, N, to N per 100 mm; 1 if no length is known."""
-        return 1.0 if self.specimen.length is None else PER / self.specimen.length
+        return 1.0 if self.specimen.length is None else QUOTED_LENGTH / self.specimen.length
 
     @property
     def unit(self) -> str:

@@ -73,7 +73,7 @@ def fit_relaxed_law(cld: CLD, fit: Fit | Sequence[Fit]) -> RelaxedLaw:
     variants = [(0.0, normalise_relaxation(other.maxwell), force) for other in off_by_error(fit)]
     variants += [(cld.contact_se, relaxation, force), (0.0, relaxation, force + cld.zero_se)]
     # of a force that is late the contact is, too
-    variants += [(-cld.met_later, relaxation, delayed_force)] * (cld.delay_sd > 0)
+    variants += [(-cld.contact_delay_error, relaxation, delayed_force)] * (cld.delay_sd > 0)
     laws = (
         _fit_law(cld.compression[rows] + x, model.displacement(time, motion)[rows], knots)
         for x, model, motion in variants

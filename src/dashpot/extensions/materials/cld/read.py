@@ -49,7 +49,7 @@ def read_cld(
 def read_cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
     """Return the compression load deflection test in an opened file."""
     channels.refuse_summary(file)
-    channels.expect(
+    channels.refuse_other_kinds(
         file,
         ["relaxation", "cld"],
         "a compression load deflection (CLD) record is",
@@ -60,7 +60,7 @@ def read_cld_in(file: OpenedFile, specimen: Specimen) -> CLDTest:
         notes.append("the file has no clock: nothing is known of the speed")
     notes += _refuse_sizes(file, channels_chosen, values)
     specimen, sentences = add_specimen_temperature(file, specimen, channels_chosen)
-    source = channels.source(
+    source = channels.make_source(
         file, [channel.message for channel in channels_chosen], [*notes, *sentences]
     )
     return CLDTest(

@@ -56,14 +56,14 @@ def cld(result: CLDResult) -> Text:
 
 def _format_scatter(statistics: Sequence[SpecimenStatistics]) -> list[str]:
     rows = [["", "mean", "SD", "CV, %", "unit"]]
-    for figure in statistics:
-        unit = get_display_unit(figure.unit) or "%"
-        cv = format_rounded(100 * figure.deviation / figure.mean) if figure.mean else ""
-        sentences = (
+    for statistic in statistics:
+        unit = get_display_unit(statistic.unit) or "%"
+        cv = format_rounded(100 * statistic.deviation / statistic.mean) if statistic.mean else ""
+        numbers = (
             format_rounded(convert_to_unit(value, unit))
-            for value in (figure.mean, figure.deviation)
+            for value in (statistic.mean, statistic.deviation)
         )
-        rows.append([figure.name, *sentences, cv, unit])
+        rows.append([statistic.name, *numbers, cv, unit])
     return table(rows)
 
 

@@ -12,7 +12,7 @@ from dashpot.extensions.materials.csr.fit_files import csr_files
 from dashpot.extensions.materials.csr.lifetime_prediction import AgingPrediction
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (
+FORM_FIELDS = (
     FormField("use_at", "Temperature of use", "degC", "--use-at"),
     FormField("oven", "Ovens known to", "K", "--machine", prefix="oven="),
 )

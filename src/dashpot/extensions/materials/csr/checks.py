@@ -13,7 +13,7 @@ from dashpot.extensions.materials.csr.preprocess import Readings
 from dashpot.numerics.inference.covariance_estimate import Estimate
 
 MIN_SIGNIFICANCE = 4.0
-"""Standard errors by which the hottest oven must show chemistry."""
+"""Standard errors by which the hottest oven must show chemical aging."""
 MAX_EXTRAPOLATION = 30.0
 """Distance of a temperature below the coldest oven, K, at most."""
 USUAL_ENERGY = parse_quantity("90kJ/mol", "molar energy")
@@ -88,7 +88,7 @@ def readings_residuals_random(correlation: float) -> Finding:
         f"Neighbours in time miss the aging law together by {correlation:.2g} standard deviations",
         correlation,
         "The aging law does not fit the readings, or the load cell drifts",
-        "Look at the picture. Leave out ovens that age otherwise, such as the hottest.",
+        "Look at the figure. Leave out ovens that age otherwise, such as the hottest.",
     )
 
 
@@ -99,7 +99,7 @@ def readings_residual_small(scatter: float) -> Finding:
         f"A reading lies {100 * scatter:.2g} % of F0 from the law",
         scatter,
         "The aging law does not fit the readings, or some were read otherwise, such as cold",
-        "Look at the picture, and read all at one temperature.",
+        "Look at the figure, and read all at one temperature.",
     )
 
 
@@ -175,7 +175,9 @@ def load_cell_zero_stable(drift: float | None, error: float) -> Finding:
 def aging_exceeds_cell_drift(rate: float | None, drift: float) -> Finding:
     """The coldest oven ages faster than the load cell drifts, in parts of F0 in 1000 h."""
     if rate is None:
-        return Finding("No chemistry was seen, so no drift of the cell is compared with it")
+        return Finding(
+            "No chemical aging was resolved, so no drift of the cell is compared with it"
+        )
     loss = rate * THOUSAND_HOURS
     return Finding(
         f"The coldest oven loses {100 * loss:.3g} % in 1000 h, where the load cell may drift by "

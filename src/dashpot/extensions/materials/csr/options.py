@@ -20,7 +20,7 @@ class AgingPredictionOptions:
 
     until: tuple[str, ...] = option(
         (),
-        "Part of the force left, 50%, or a time, 1000h.",
+        "Share of force left, 50%, or a time, 1000h.",
         metavar="END",
         multiple=True,
         flag="end",

@@ -94,7 +94,7 @@ def read_csr(
     with channels.open_file(path, options) as opened_file:
         force_columns = find_counterforce_columns(opened_file.table, opened_file.options)
         if force_columns is None:
-            channels.expect(
+            channels.refuse_other_kinds(
                 opened_file,
                 ["csr"],
                 "compression stress relaxation is",
@@ -125,7 +125,7 @@ def read_csr(
             name.upper() for name in _METHOD_PATTERN.findall(" ".join(file.table.header).casefold())
         }
         read |= {word.strip()[-1:].upper() for word in methods.tolist()}
-        source = channels.source(
+        source = channels.make_source(
             file,
             [channel.message for channel in channels_chosen],
             [*file.table.notes, *notes, *sentences],

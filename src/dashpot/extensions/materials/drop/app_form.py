@@ -9,7 +9,7 @@ from dashpot.extensions.materials.drop.datamodel import DropFit
 from dashpot.extensions.materials.drop.fit_files import fit_drop_files
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (
+FORM_FIELDS = (
     FormField("mass", "Moving mass", "g", "--mass"),
     FormField("drop", "Speed or fall", "", "--drop", form="words"),
 )

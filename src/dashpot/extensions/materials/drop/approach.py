@@ -18,12 +18,12 @@ class Approach:
     ----------
     speed : float
         Impact speed, m/s.
-    pull : float
+    gravity : float
         Acceleration of the free mass, m/s^2: gravity after a fall, else 0.
     """
 
     speed: float
-    pull: float = 0.0
+    gravity: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive("drop: ", speed=self.speed, unit=" m/s")

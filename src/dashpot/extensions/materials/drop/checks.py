@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dashpot.base.checks import Finding, Remedy, criterion
 from dashpot.base.units import format_quantity
 
-MAX_SHAPE = 2.5
+MAX_PATTERN_SD = 2.5
 
 
 @criterion(
@@ -101,21 +101,21 @@ def impacts_residual_small(misfit: float) -> Finding:
         f"The residual of the force is {misfit:.3g} times its scatter",
         misfit,
         "The specimen deforms in another way, or the mass or the sensor oscillates",
-        "Look at the picture. Fit impacts of one range of speeds, or filter less in the sensor.",
+        "Look at the figure. Fit impacts of one range of speeds, or filter less in the sensor.",
     )
 
 
 @criterion(
     "standard deviations",
     "<=",
-    MAX_SHAPE,
+    MAX_PATTERN_SD,
     "measured: one faultless impact in 13 exceeds it",
 )
-def impact_residual_structureless(shapes: Mapping[str, float]) -> Finding:
+def impact_residual_structureless(patterns: Mapping[str, float]) -> Finding:
     """The residual force shows no missing effect of specimen or sensor."""
-    if not shapes:
+    if not patterns:
         return Finding("There are too few impacts for this test of the residual")
-    words, largest = max(shapes.items(), key=lambda pair: abs(pair[1]))
+    words, largest = max(patterns.items(), key=lambda pair: abs(pair[1]))
     return Finding(
         f"The residual of the force is most like {words}, by {abs(largest):.2g} standard "
         "deviations",
@@ -222,7 +222,7 @@ def spectrum_has_gaps(arms: int) -> Finding:
     return Finding(
         f"The relaxation test has {arms} arms",
         float(arms),
-        "Its spectrum is broad, and one fast arm beside it may be 7 % off in the loss factor",
+        "Its spectrum is broad, and one additional fast arm may be 7 % off in the loss factor",
         "Compare it with a hammer test, or with a cold test.",
     )
 

@@ -9,9 +9,9 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
     median,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -62,7 +62,7 @@ class DropTest(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, time="time", force="force", acceleration="acceleration")
-        hold_measured(self, "time", "force", "acceleration", minimum=16)
+        validate_measured_fields(self, "time", "force", "acceleration", minimum=16)
         if self.force is None and self.acceleration is None:
             raise DataError(
                 "an impact is a force, or the acceleration of the mass. Give one of them"

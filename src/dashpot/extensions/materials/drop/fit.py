@@ -126,7 +126,7 @@ def _parse_approaches(
         )
     approaches = [Approach.from_quantity(item) for item in quantities]
     accelerations, unstated_count = (
-        [approach.pull for approach in approaches],
+        [approach.gravity for approach in approaches],
         count - len(approaches),
     )
     accelerations += [accelerations[-1] if accelerations else 0.0] * unstated_count

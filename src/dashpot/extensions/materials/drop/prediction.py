@@ -148,7 +148,7 @@ def predict_drop(
     law = elastic_law or ElasticLaw.linear(max(parallel_fit.model.k_inf, 1e-9), _DEFAULT_DEPTH)
     models = [parallel_fit.model, *(model.maxwell for model in off_by_error(parallel_fit))]
     motions = simulate_impacts(
-        models, law, mass=kg, speed=approach.speed, acceleration=approach.pull
+        models, law, mass=kg, speed=approach.speed, acceleration=approach.gravity
     )
     motion = motions[0]
     checked = (

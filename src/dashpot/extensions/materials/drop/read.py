@@ -32,7 +32,7 @@ def read_drop_test(
         If the file cannot be read, or the role or unit of a column is not known.
     """
     with channels.open_file(path, options) as file:
-        channels.expect(
+        channels.refuse_other_kinds(
             file, ["drop"], "a mass dropped on a specimen is",
             stated_columns=("force", "acceleration"),
         )  # fmt: skip
@@ -56,7 +56,7 @@ def read_drop_test(
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
         resolved_specimen, sentences = add_specimen_temperature(file, specimen or Specimen())
-        source = channels.source(
+        source = channels.make_source(
             file,
             [channel.message for channel in channels_chosen],
             [*file.table.notes, *gaps, *sentences],

@@ -10,7 +10,7 @@ from dashpot.extensions.materials.hyperelastic.fit_files import hyperelastic_fil
 from dashpot.extensions.materials.options import MODES
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), per_file=True),)
+FORM_FIELDS = (FormField("test", "Kind of test", "", "--test", tuple(MODES), per_file=True),)
 
 
 def fit_form_files(files: Sequence[str], form: FormData, options: ReadOptions) -> HyperelasticFit:

@@ -11,8 +11,8 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -82,7 +82,7 @@ class StressStrainTest(EqualByValue, HasSummary):
 
     def __post_init__(self) -> None:
         convert_arrays_to_si(self, stretch="strain", stress="stress", time="time")
-        hold_measured(self, "stretch", "stress", "time", minimum=MIN_ROWS)
+        validate_measured_fields(self, "stretch", "stress", "time", minimum=MIN_ROWS)
         if self.poisson is not None:
             self._refuse_sideways(self.poisson)
         low, high = float(self.stretch.min()), float(self.stretch.max())

@@ -30,7 +30,7 @@ from dashpot.plot.plotted_data import stamp as format_stamp
 _MARGIN = 0.08
 _AXES = (
     ("stretch", "nominal stress, MPa"),
-    ("volume over volume at rest", "mean true stress, MPa"),
+    ("volume ratio J", "mean true stress, MPa"),
 )
 
 

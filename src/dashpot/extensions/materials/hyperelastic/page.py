@@ -26,7 +26,7 @@ def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
     law = {"law_residual_small", "no_better_law", "compressible_law_no_better",
         "constants_determined", "modes_enough",
            "unmeasured_modes_determined", "lateral_swelling_agrees"}  # fmt: skip
-    remainder = f"{round_to_error(100 * max(hyperelastic_fit.residuals), digits=2)} % left"
+    residual_text = f"residual {round_to_error(100 * max(hyperelastic_fit.residuals), digits=2)} %"
     curves = tuple(
         (curve.mode, "" if curve.source is None else curve.source.file,
          f"{curve.stretch.min():.4g} to {curve.stretch.max():.4g}", str(curve.rows),
@@ -47,7 +47,7 @@ def page(hyperelastic_fit: HyperelasticFit) -> KindPage:
         indicators=make_indicators(
             hyperelastic_fit.checks,
             Topic("Curves"),
-            Topic("Law", law, remainder),
+            Topic("Law", law, residual_text),
             Topic("Use", use, "stable where used"),
         ),
         figure_title="Stress over stretch",

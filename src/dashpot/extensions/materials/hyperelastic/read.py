@@ -17,7 +17,7 @@ from dashpot.extensions.materials.hyperelastic.size_checks import strain_of_a_ru
 from dashpot.extensions.materials.hyperelastic.strain_energy import poisson_of
 from dashpot.extensions.materials.options import MODES, Measures, Mode, ModeFiles
 from dashpot.reading.columns import vocabulary
-from dashpot.reading.columns.role_assignment import format_column, handle, score_columns
+from dashpot.reading.columns.role_assignment import format_column, quote_column, score_columns
 from dashpot.reading.columns.vocabulary import Role
 from dashpot.reading.read_options import ReadOptions
 from dashpot.reading.readers import channels
@@ -111,7 +111,7 @@ def read_stress_strain(
                 file, channels_chosen[-2], measures, is_compression=is_compression
             )
             notes += said_sideways
-        source = channels.source(file, [channel.message for channel in channels_chosen], notes)
+        source = channels.make_source(file, [channel.message for channel in channels_chosen], notes)
         return StressStrainTest(
             mode, strain, stress, values.get("time"), is_stated, source, poisson, units="SI"
         )
@@ -159,8 +159,8 @@ def _refuse_relaxation(
         f"{100 * is_held.mean():.0f} % of the record while its stress falls, and a law of stress "
         "over strain would take the ramp alone. Fit its moduli, in MPa: --kind modulus. For N/mm "
         "of a specimen, give multiples of these, which are of 1 mm by 1 mm²: --column "
-        f'displacement="{handle(columns, strain_channel.index)}" --column '
-        f'force="{handle(columns, stress_channel.index)}" --units "{lengths}". '
+        f'displacement="{quote_column(columns, strain_channel.index)}" --column '
+        f'force="{quote_column(columns, stress_channel.index)}" --units "{lengths}". '
         "To fit its ramp nevertheless: --kind stress-strain"
     )
 
@@ -219,8 +219,10 @@ def _read_lateral_strain(
     if not indices:
         return None, []
     index = indices[0]
-    file_with_strain = replace(file, options=replace(file.options, strain=handle(columns, index)))
-    (lateral_channel,) = channels.choose(file_with_strain, ["strain"])
+    file_with_strain = replace(
+        file, options=replace(file.options, strain=quote_column(columns, index))
+    )
+    (lateral_channel,) = channels.choose_channels(file_with_strain, ["strain"])
     loaded_columns = channels.load(file.table, [axial_channel.index, index], file.options.segment)
     rows, _ = channels.select_complete_rows(loaded_columns)
     strains = [
@@ -244,7 +246,7 @@ def _require_stress_strain_file(file: OpenedFile, strain_role: Role) -> None:
     """Refuse another kind of file, unless it has both columns."""
     if not (file.column(strain_role) and file.column("stress")):
         signal_names = ("stress", *_ELONGATED)
-        channels.expect(
+        channels.refuse_other_kinds(
             file, ["stress-strain"], "stress over strain is", stated_columns=signal_names
         )
 

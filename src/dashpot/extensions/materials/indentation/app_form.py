@@ -11,7 +11,7 @@ from dashpot.extensions.materials.indentation.indenter import Indenter
 from dashpot.extensions.materials.options import require_quantity
 from dashpot.reading.read_options import ReadOptions
 
-ASKS = (
+FORM_FIELDS = (
     FormField("mass", "Moving mass", "g", "--mass"),
     FormField("radius", "Tip radius", "mm", "--radius"),
     FormField("drop_height", "Drop height", "mm", "--drop-height"),

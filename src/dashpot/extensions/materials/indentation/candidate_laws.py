@@ -54,7 +54,7 @@ class Law:
     ----------
     exponent : float
     shape : callable
-        Parameters: those of the law's own numbers and the pull, without units.
+        Parameters: those of the law's own numbers and gravity, without units.
     build_law : callable
         The contact of k, the unit of time and the law's own numbers.
     starting_values : tuple of tuple
@@ -198,7 +198,7 @@ def simulate_sensor_signal(
         value, stretched = push, -push - time_since_touch * rate
         if F[0] > 0:
             speed_change = (
-                hit.velocity[0] + hit.pull * t - hit.velocity
+                hit.velocity[0] + hit.gravity * t - hit.velocity
             )  # the force's integral over mass
             edge = np.stack((time_since_touch - step / 2, time_since_touch + step / 2))
             value, force = interpolate_cubic(speed_change * hit.mass, F, edge)
@@ -212,14 +212,14 @@ def simulate_sensor_signal(
         np.maximum(time_since_touch - end, 0.0),
     )
     # in flight with the speed of approach, or of release
-    acceleration = push / hit.mass - hit.pull
+    acceleration = push / hit.mass - hit.gravity
     if motion == "velocity":
-        speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.pull * (
+        speed = interpolate_cubic(hit.velocity, hit.acceleration)[0] + hit.gravity * (
             time_before + time_after
         )
         return SensorSignal(-speed, acceleration, -time_since_touch * acceleration)
     displacement, speed = interpolate_cubic(hit.displacement, hit.velocity)
-    speed += hit.pull * (time_before + time_after)
+    speed += hit.gravity * (time_before + time_after)
     displacement += hit.velocity[0] * time_before + hit.velocity[-1] * time_after
-    displacement += hit.pull * (time_before**2 + time_after**2) / 2
+    displacement += hit.gravity * (time_before**2 + time_after**2) / 2
     return SensorSignal(-displacement, -speed, time_since_touch * speed - displacement)

@@ -115,7 +115,7 @@ def _compute_force_ratio(fit: IndentationFit, test: IndentationTest) -> float | 
     )
     impulse = abs(float(np.sum(test.force[in_contact] - rest_force))) * test.step
     speed = fit["impact_velocity"].value
-    change = speed * (1 + fit["restitution"].value) + test.indenter.pull * fit.duration
+    change = speed * (1 + fit["restitution"].value) + test.indenter.gravity * fit.duration
     return impulse / (test.indenter.mass * change)
 
 

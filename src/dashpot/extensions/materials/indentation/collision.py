@@ -2,9 +2,9 @@ r"""Collision of a body with a viscoelastic surface: motion from touch to releas
 
 .. math:: m \ddot x = m p - F, \qquad x(0) = 0,\ \dot x(0) = V
 
-with p the pull along the way (gravity, for a fall). Release is where F falls to zero: the surface,
+with p the acceleration of gravity in a fall, else 0. Release is where F falls to zero: the surface,
 being viscous, does not follow at once. The restitution is :math:`e = -\dot x / V` there; for a
-linear contact without pull :math:`e = \exp\bigl[-\tfrac{\zeta}{\sqrt{1-\zeta^2}}
+linear contact without gravity :math:`e = \exp\bigl[-\tfrac{\zeta}{\sqrt{1-\zeta^2}}
 \operatorname{atan2}(2\zeta\sqrt{1-\zeta^2},\, 2\zeta^2 - 1)\bigr]`.
 """
 
@@ -51,7 +51,7 @@ class Collision(EqualByValue):
         m, m/s, N.
     mass : float
         kg.
-    pull : float
+    gravity : float
         m/s^2.
     """
 
@@ -60,7 +60,7 @@ class Collision(EqualByValue):
     velocity: FloatArray
     force: FloatArray
     mass: float
-    pull: float = 0.0
+    gravity: float = 0.0
 
     @property
     def duration(self) -> float:
@@ -90,7 +90,7 @@ class Collision(EqualByValue):
     @property
     def acceleration(self) -> FloatArray:
         """Acceleration of the body, m/s^2, positive into the surface, shape (n,)."""
-        return np.asarray(self.pull - self.force / self.mass)
+        return np.asarray(self.gravity - self.force / self.mass)
 
 
 def collide(
@@ -169,7 +169,7 @@ def _find_peak(t: FloatArray, y: FloatArray) -> float:
 def integrate_viscous_contact(n: float, A: float, acceleration: float = 0.0) -> Shape:
     r"""Return the motion where the force follows from displacement and velocity.
 
-    A and pull are in units of the lossless contact. On a sphere :math:`y = \sqrt x` and
+    A and gravity are in units of the lossless contact. On a sphere :math:`y = \sqrt x` and
     :math:`d\sigma = dt / y` make polynomials of the motion, regular at touch and release:
 
     .. math:: t' = y, \qquad 2 y' = v, \qquad v' = y\,[p - \tfrac54 (y^3 + \tfrac32 A y v)]
@@ -203,7 +203,7 @@ def integrate_relaxing_contact(g: float, tau: float, acceleration: float = 0.0) 
 
     .. math:: \dot h = \frac{(1 + g)\,\dot x - (h - x)/\tau}{1 + g\,e^{-(t-t_1)/\tau}}
 
-    which is regular at the turn, where t_1 itself is not. tau and pull are in units of the lossless
+    which is regular at the turn, where t_1 itself is not. tau and p are in units of the lossless
     contact of the relaxed state. It is marched in :math:`d\sigma = dt / \sqrt h`, regular at touch
     and release.
     """
@@ -276,7 +276,7 @@ def _integrate_contact(
         if max(states[-1][0], len(states) * step) > _MAX_CONTACT_TIME:
             raise DataError(
                 f"the body is still in contact after {_MAX_CONTACT_TIME:g} times the time of a "
-                "lossless one: it is not let go; expected less damping or less pull"
+                "lossless one: it is not let go; expected less damping or less gravity"
             )
         states.append(compute_next_state(states[-1], rates[-1], step))
         rates.append(rate(*states[-1]))

@@ -11,9 +11,9 @@ from dashpot.base.arrays import (
     EqualByValue,
     FloatArray,
     convert_arrays_to_si,
-    hold_measured,
     make_units_field,
     median,
+    validate_measured_fields,
 )
 from dashpot.base.checks import Check
 from dashpot.base.errors import DataError
@@ -82,7 +82,7 @@ class IndentationTest(EqualByValue, HasSummary):
         if self.quantity not in UNITS:
             raise DataError(f"quantity = '{self.quantity}'; expected one of {', '.join(UNITS)}")
         convert_arrays_to_si(self, time="time", signal=_DIMENSIONS[self.quantity], force="force")
-        hold_measured(self, "time", "signal", "force", minimum=16)
+        validate_measured_fields(self, "time", "signal", "force", minimum=16)
         steps = np.diff(self.time)
         index = int(np.argmax(np.abs(steps - self.step)))
         if abs(steps[index] - self.step) > 0.2 * self.step:

@@ -108,7 +108,7 @@ class _NearHit:
         return SensorSignal(*(values[self.is_used] for values in signal))
 
     def simulate_collision(self, law: Law, theta: FloatArray) -> Collision:
-        return law.collision(theta, self.mass, self.test.indenter.pull)
+        return law.collision(theta, self.mass, self.test.indenter.gravity)
 
     def simulate_signal(self, law: Law, theta: FloatArray, acceleration: float) -> SensorSignal:
         return self.sample_collision(
@@ -121,7 +121,7 @@ class _NearHit:
         value, rate, stretched = self.simulate_signal(law, theta, acceleration)
 
         def slope(_: FloatArray) -> FloatArray:
-            """Return the derivatives, exact except for the law's own parameters and the pull."""
+            """Return the derivatives, exact except for the law's own parameters and gravity."""
 
             def differentiate_signal(theta: FloatArray, acceleration: float) -> FloatArray:
                 return (self.simulate_signal(law, theta, acceleration).signal - value) / STEP
@@ -340,8 +340,8 @@ def _fit_law(window: _NearHit, name: str) -> _LawOptimum | None:
         [len(start) for start in law.starting_values]
     )
     starts = [table[i][1] for i in _find_valleys(cost)]
-    full_problem = problem(law, window.test.indenter.pull)
-    optima = full_problem.valleys(
+    full_problem = problem(law, window.test.indenter.gravity)
+    optima = full_problem.find_optima(
         starts,
         same_distance=_SAME_VALLEY,
         max_steps=_TRIES,

@@ -50,11 +50,11 @@ class Indenter:
         require_positive(**entries, expected="a number > 0 in SI units", optional=True)
         if not 0 <= self.radius_error < 1:
             raise DataError(
-                f"radius_error = {self.radius_error:g}; expected a part from 0 to below 1"
+                f"radius_error = {self.radius_error:g}; expected a fraction from 0 to below 1"
             )
 
     @property
-    def pull(self) -> float:
+    def gravity(self) -> float:
         """Acceleration besides the contact's, m/s^2: gravity for a fall."""
         return GRAVITY if self.drop_height is not None else 0.0
 

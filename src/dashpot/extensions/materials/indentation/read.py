@@ -42,7 +42,9 @@ def read_indentation(
         assignment, notes = channels.find_optional_column(file, "force")
         # an acceleration beside a force is a hammer's, unless the file concerns an indenter
         kinds: list[FileKind] = ["indentation"] if assignment else ["indentation", "impact"]
-        channels.expect(file, kinds, "the motion of an indenter is", stated_columns=_NAMED)
+        channels.refuse_other_kinds(
+            file, kinds, "the motion of an indenter is", stated_columns=_NAMED
+        )
         motion, quantity = _find_motion_column(file)
         forces = (
             [assignment]
@@ -59,7 +61,7 @@ def read_indentation(
         rate = file.options.rate
         time = np.arange(len(rows)) / rate if rate else values["time"]
         _refuse_sizes(file, channels_chosen, time, float(np.abs(values[quantity]).max()))
-        source = channels.source(
+        source = channels.make_source(
             file, [c.message for c in channels_chosen], [*file.table.notes, *gaps, *notes]
         )
         return IndentationTest(

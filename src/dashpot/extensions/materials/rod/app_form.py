@@ -12,7 +12,7 @@ from dashpot.reading.read_options import ReadOptions
 
 _WATER = 1000.0
 """Density of a rod of which none is given, kg/m^3."""
-ASKS = (
+FORM_FIELDS = (
     FormField("mass", "Mass on it", "g", "--mass"),
     FormField("density", "Density", "kg/m^3", "--density", form="bare"),
     FormField("disc", "\u2300, length", "mm", "--shape", form="sizes", prefix="disc:"),

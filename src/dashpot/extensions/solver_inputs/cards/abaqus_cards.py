@@ -9,8 +9,8 @@ from dashpot.base import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.extensions.solver_inputs.cards.card import (
     ViscoelasticCard,
+    convert_shear_to_young,
     parse_number,
-    young_of_shear,
 )
 from dashpot.extensions.solver_inputs.cards.spring_network import Element, convert_network
 from dashpot.solids.shift_laws import WLF, Arrhenius, TemperatureLaw
@@ -180,7 +180,7 @@ def _read_elasticity(
         long_term = _squeeze(keyword.parameters.get("MODULI", "LONGTERM")) != "INSTANTANEOUS"
         if not keyword.rows or "TESTDATAINPUT" in keyword.parameters:
             notes = [f"{keyword_text} has test data, of which no modulus is made: give --modulus"]
-            return None, young_of_shear(1.0, 0.0)[1], False, notes
+            return None, convert_shear_to_young(1.0, 0.0)[1], False, notes
         row = [parse_number(value or "0", keyword_text) for value in keyword.rows[0]]
         notes = [f"{keyword_text}: its first row alone is read"] * (len(keyword.rows) > 1)
         if word == "ELASTIC":
@@ -197,7 +197,7 @@ def _read_elasticity(
         if shear is None:
             form = ", ".join(keyword.parameters)
             return None, 0.4995, False, [f"{keyword_text}, {form}, is not read: give --modulus"]
-        E, poisson = young_of_shear(*shear)
+        E, poisson = convert_shear_to_young(*shear)
         return E, poisson, long_term, notes
     return None, 0.4995, False, []
 

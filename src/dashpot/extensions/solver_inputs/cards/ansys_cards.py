@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from dashpot.base.errors import ReadError
 from dashpot.extensions.solver_inputs.cards.card import (
     ViscoelasticCard,
+    convert_shear_to_young,
     parse_number,
-    young_of_shear,
 )
 from dashpot.solids.part_geometry import RUBBER_POISSON_RATIO
 from dashpot.solids.shift_laws import GAS_CONSTANT, WLF, Arrhenius, TemperatureLaw
@@ -135,7 +135,7 @@ def _read_elasticity(number: str, material: _Material) -> tuple[float | None, fl
             shear = sum(mu * alpha for mu, alpha in zip(pairs[::2], pairs[1::2], strict=True)) / 2
         else:
             return None, RUBBER_POISSON_RATIO, [f"TB,HYPER,{option} is not read: give --modulus"]
-        return *young_of_shear(shear, 0.0), []
+        return *convert_shear_to_young(shear, 0.0), []
     return None, RUBBER_POISSON_RATIO, []
 
 

@@ -173,7 +173,7 @@ def parse_number(text: str, location: str) -> float:
         ) from None
 
 
-def young_of_shear(G: float, K: float) -> tuple[float, float]:
+def convert_shear_to_young(G: float, K: float) -> tuple[float, float]:
     """Return Young's modulus and Poisson's ratio of a shear and a bulk modulus; K = 0: rubber."""
     if K <= 0:
         return 2 * (1 + RUBBER_POISSON_RATIO) * G, RUBBER_POISSON_RATIO

@@ -8,8 +8,8 @@ from dashpot.base import dataclass
 from dashpot.base.errors import ReadError
 from dashpot.extensions.solver_inputs.cards.card import (
     ViscoelasticCard,
+    convert_shear_to_young,
     parse_number,
-    young_of_shear,
 )
 from dashpot.solids.maxwell import GeneralizedMaxwell
 
@@ -96,7 +96,7 @@ def _read_general(block: KeywordBlock) -> ViscoelasticCard:
     K_0 = first[2] + sum(K for K, _ in bulk_terms)
     if not G_0 > 0:
         raise ReadError(f"*{block.name} of {name} has no shear term G > 0")
-    E, poisson = young_of_shear(G_0, K_0)
+    E, poisson = convert_shear_to_young(G_0, K_0)
     notes = [f"*{block.name} of {name}: TREF, A and B are not read"] * (any(first[5:8]))
     card = ViscoelasticCard(
         name,
@@ -115,7 +115,7 @@ def _read_single(block: KeywordBlock) -> ViscoelasticCard:
     _, _, bulk, G_0, G_inf, beta = (block.numbers(0) + [0.0] * 6)[:6]
     if not (G_0 > 0 and beta > 0):
         raise ReadError(f"*{block.name} of {name}: expected G0 > 0 and BETA > 0")
-    E, poisson = young_of_shear(G_0, bulk)
+    E, poisson = convert_shear_to_young(G_0, bulk)
     card = ViscoelasticCard(
         name, f"*{block.name}", (((G_0 - G_inf) / G_0, 1 / beta),), (), E, poisson
     )

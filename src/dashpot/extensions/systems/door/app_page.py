@@ -36,8 +36,8 @@ _HEIGHT = 300.0
 
 def describe_file(path: Path) -> dict[str, Any]:
     """Return the entry of a door in the list of files."""
-    return {"kind": "door", "page": "judged", "line": "a door on its seal", "mark": "good",
-            "simulated": False, "long": False, "asks": [], "alone": False,
+    return {"kind": "door", "page": "standalone", "line": "a door on its seal", "mark": "good",
+            "simulated": False, "long": False, "form_fields": [], "takes_one_file": False,
             "name": path.name}  # fmt: skip
 
 

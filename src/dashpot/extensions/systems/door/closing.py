@@ -192,7 +192,7 @@ class _Doors:
         seal = PressedSeal(door.section, share=share, dashpot=dashpot, **geometry)
         air_chambers = [
             Chambers(name, chamber_air, length=door.length, **geometry)
-            for name, chamber_air in door.setup.airs
+            for name, chamber_air in door.setup.air_terms
         ]
         return cls(door, seal, air_chambers, angle)
 

@@ -195,8 +195,8 @@ class Latch:
 
     def moment(self, angle: FloatArray) -> FloatArray:
         """N m against closing, at angles from fully latched, rad; none beyond its travel."""
-        residual = self.lever * np.asarray(angle)
-        return self.lever * np.interp(residual, self.travel, self.force, right=0.0)
+        remaining_travel = self.lever * np.asarray(angle)
+        return self.lever * np.interp(remaining_travel, self.travel, self.force, right=0.0)
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ class CheckStrap:
     moment: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        _validate_table("the check", self.angle, self.moment)
+        _validate_table("the check strap", self.angle, self.moment)
 
     def moment_at(self, angle: FloatArray) -> FloatArray:
         """N m against closing; none outside the table."""
@@ -227,7 +227,7 @@ class Tolerances:
     Attributes
     ----------
     gap : float
-        Tolerance of the gap, m: three standard deviations of a normal law.
+        Tolerance of the gap, m: three standard deviations of a normal distribution.
     load : float
         Tolerance of the seal's force, a part of it: likewise.
     correlation : float or None
@@ -273,7 +273,7 @@ class ClosingSetup:
         Moment of the hinges, N m.
     gravity : (float, float, float) or None
         Direction in which weight pulls.
-    check, latch, vents, inter_seal_air, cabin : the terms
+    check, latch, vents, inter_seal_air, cabin : resistance or None
     variation : Tolerances or None
     """
 
@@ -289,7 +289,7 @@ class ClosingSetup:
     inter_seal_air: InterSealAir | None = None
     cabin: Cabin | None = None
     variation: Tolerances | None = None
-    airs: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
+    air_terms: tuple[tuple[str, Air], ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         require_nonnegative("closing: ", friction=self.friction)
@@ -301,7 +301,7 @@ class ClosingSetup:
             ("cabin air", self.cabin),
         )  # fmt: skip
         named_air_parts = tuple((name, air) for name, air in named_parts if air is not None)
-        object.__setattr__(self, "airs", named_air_parts)
+        object.__setattr__(self, "air_terms", named_air_parts)
 
 
 def _validate_table(
@@ -311,6 +311,6 @@ def _validate_table(
     if len(x) != len(y) or not is_rising or not np.isfinite([*x, *y]).all():
         begins = "from 0 " if from_zero else ""
         raise DataError(
-            f"{owner}: {len(x)} places and {len(y)} values; expected as many of both, at least "
-            f"two, the places rising {begins}and all finite"
+            f"{owner}: {len(x)} positions and {len(y)} values; expected as many of both, at least "
+            f"two, the positions rising {begins}and all finite"
         )

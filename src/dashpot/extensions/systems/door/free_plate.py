@@ -70,9 +70,9 @@ def free_plate(
     mode_count = 3 + elastic
     x, y = 2 * p[:, 0] / width - 1, 2 * p[:, 1] / height - 1
     product = evaluate_derivatives(width, 0, x)[:, None] * evaluate_derivatives(height, 0, y)[None]
-    change = (vectors[:, :mode_count] / root[:, None]).T @ product.reshape(-1, len(p))
+    displacement = (vectors[:, :mode_count] / root[:, None]).T @ product.reshape(-1, len(p))
     shape = np.zeros((mode_count, len(p), 3))
-    shape[:, :, 2] = change
+    shape[:, :, 2] = displacement
     frequency = np.sqrt(np.maximum(squared[:mode_count], 0.0)) / (2 * np.pi)
     frequency[:3] = 0.0
     return FreeModes(frequency, p, shape)

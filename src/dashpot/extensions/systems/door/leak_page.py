@@ -8,7 +8,7 @@ from dashpot.extensions.systems.door.leak_result import LeakResult, format_speed
 from dashpot.extensions.systems.door.leak_text import describe_states
 from dashpot.plot.picture import Picture
 from dashpot.plot.plotted_data import stamp
-from dashpot.report.first_screen import NOT_GIVEN, Light
+from dashpot.report.first_screen import NOT_GIVEN, Indicator
 from dashpot.report.result_page import CollapsibleSection, KindPage, Topic, group, make_indicators
 from dashpot.report.tables import TextTable, describe_rows, select_rows
 
@@ -62,7 +62,7 @@ def leak_page(result: LeakResult) -> KindPage:
     )  # fmt: skip
 
 
-def _make_lights(result: LeakResult) -> list[Light]:
+def _make_lights(result: LeakResult) -> list[Indicator]:
     leak_lights = list(
         make_indicators(
             result.checks,
@@ -80,7 +80,7 @@ def _make_lights(result: LeakResult) -> list[Light]:
             parts += [f"open: {', '.join(undecided)}"] if undecided else []
             text = "; ".join(parts)
         class_name = "good" if not missed_names and not undecided else "note"
-        leak_lights.append(Light("Limit", class_name, text))
+        leak_lights.append(Indicator("Limit", class_name, text))
     return leak_lights
 
 

@@ -50,4 +50,4 @@ def convert_column_to_si(
     if word is None:
         name = normalise_name(column.name)
         raise ReadError(f"column {name} has no unit; write {name} [mm] over it, or {advice}")
-    return channels.si(values.copy(), parse_unit(word, dimension))
+    return channels.scale_to_si(values.copy(), parse_unit(word, dimension))

@@ -34,7 +34,7 @@ from dashpot.extensions.systems.door.result import DoorResult
 from dashpot.plot.picture import Panel, Picture
 from dashpot.plot.plotted_data import stamp
 from dashpot.report.figures import RenderedFigure, render_figure
-from dashpot.report.first_screen import NBSP, Light
+from dashpot.report.first_screen import NBSP, Indicator
 from dashpot.report.page_frame import Attachment, attachment, environment
 from dashpot.report.result_page import (
     CollapsibleSection,
@@ -155,7 +155,7 @@ def make_door_indicators(
     closing_result: ClosingResult | None,
     checks: Sequence[Check],
     verdict: Verdict,
-) -> Iterator[Light]:
+) -> Iterator[Indicator]:
     """Yield the indicators of the seal line, the modes, the closing and its limit, if asked."""
     topics = []
     if result is not None:
@@ -186,7 +186,7 @@ def make_door_indicators(
             else "care"
         )
         limit = scatter.variation.limit
-        yield Light(
+        yield Indicator(
             "Limit",
             class_name,
             f"{100 * share_above_limit:.3g} % need more than {limit:g}{NBSP}m/s",

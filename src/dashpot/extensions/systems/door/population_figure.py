@@ -13,7 +13,7 @@ from dashpot.extensions.systems.door.population import (
 )
 from dashpot.plot.picture import FIT, REJECTED, Area, Line, Mark, Panel, Picture, Rule, Scale
 from dashpot.plot.plotted_data import stamp as format_stamp
-from dashpot.report.first_screen import Light, Row
+from dashpot.report.first_screen import Indicator, Row
 from dashpot.report.result_page import Group, KindPage, Topic, group, make_indicators
 
 _MAX_PANELS, _PANEL_WIDTHS, _POINTS = 4, 4.0, 241
@@ -80,7 +80,7 @@ def lay_out_population(population: DoorPopulation) -> KindPage:
             Topic("Scatter", {"seals_suffice", "scatter_exceeds_testing"},
                   "stated" if specimen_spread.specimens is None else "known"),
         ) + tuple(
-            Light("Limit", "note", f"{row.name}: {row.value} %") for row in limited
+            Indicator("Limit", "note", f"{row.name}: {row.value} %") for row in limited
         ),
         figure_title="How the cars differ",
         picture=draw_population(population),

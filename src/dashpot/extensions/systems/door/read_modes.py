@@ -90,7 +90,7 @@ def read_modes(
             positions[order[0]],
             shape[order],
             zeta[order[:, 0]],
-            channels.source(file, column_labels, file.table.notes),
+            channels.make_source(file, column_labels, file.table.notes),
         )
 
 
@@ -130,7 +130,7 @@ def _get_modal_masses(
                 'the modal masses have no unit; say it: modal_mass = "1kg" in [modes] (Python: '
                 "modal_mass=)"
             )
-        mass = channels.si(masses.copy(), parse_unit(unit, "mass"))
+        mass = channels.scale_to_si(masses.copy(), parse_unit(unit, "mass"))
     if not (mass > 0).all():
         raise ReadError(f"a modal mass is {np.min(mass):g} kg; expected numbers > 0")
     return mass

@@ -17,7 +17,7 @@ from dashpot.registry import KINDS
 pytestmark = pytest.mark.once
 
 PIECES = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
-ASKED = {
+FORMS = {
     "cld": (PIECES, {"compression": "6", "compression_limits": "4 to 8", "length": "100 mm"}),
     "stress-strain": (("tension.csv", "biaxial.csv"), {"test 1": "biaxial"}),
     "csr": (("ovens.csv",), {"use_at": "85", "oven": "1"}),
@@ -44,10 +44,10 @@ def ask(verb, store, **request):
 
 
 @pytest.mark.parametrize(
-    "kind", [pytest.param(one, marks=[pytest.mark.slow] * (one in DEAR)) for one in ASKED]
+    "kind", [pytest.param(item, marks=[pytest.mark.slow] * (item in DEAR)) for item in FORMS]
 )
 def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkeypatch, kind):
-    names, said = ASKED[kind]
+    names, message = FORMS[kind]
     files = put(store, names)
     monkeypatch.chdir(tmp_path)
     for name in names:
@@ -55,20 +55,23 @@ def test_app_and_command_give_the_same_result_for_a_kind(store, tmp_path, monkey
     row = ask("inspect", store, file=files[0])
     assert row["mark"] == "good"
     assert kind == "rod" or (
-        row["page"] == "judged" and row["asks"] == view_models.make_form_fields(get_form(kind))
+        row["page"] == "standalone"
+        and row["form_fields"] == view_models.make_form_fields(get_form(kind))
     )
-    head = ask("judged", store, kind=kind, files=files, said=said)
+    head = ask("standalone", store, kind=kind, files=files, form_values=message)
     assert {"good", "care", "bad"} >= {head["colour"]}
-    assert all(head[one] for one in ("figures", "answers", "checks", "facts"))
+    assert all(head[name] for name in ("figures", "answers", "checks", "facts"))
     assert 'class="lights"' in head["verdict"]
     typed = ran(*shlex.split(head["command"])[1:], "--json")
     assert typed.exit_code == 0, typed.output
-    taken = json.loads(ask("take-judged", store, kind=kind, files=files, said=said)["text"])
+    taken = json.loads(
+        ask("take-standalone", store, kind=kind, files=files, form_values=message)["text"]
+    )
     assert taken == json.loads(typed.stdout)
 
 
 def test_every_kind_of_the_register_has_a_place_on_the_page():
-    nowhere = {name for name, one in KINDS.items() if not one.app_section}
+    nowhere = {name for name, kind in KINDS.items() if not kind.app_section}
     # a sweep over temperature and one frequency are fitted by no command; a plug-in is typed
     assert nowhere == {
         "temperature-sweep",
@@ -87,7 +90,7 @@ def test_app_asks_for_missing_input_in_words_of_the_page(store):
         ("relaxation", ["seal_8mm.csv"], "no kind of test that is fitted by itself"),
     ):
         with pytest.raises(dp.DataError, match=words) as error:
-            ask("judged", store, kind=kind, files=put(store, names), said={})
+            ask("standalone", store, kind=kind, files=put(store, names), form_values={})
         assert "--" not in str(error.value)
 
 
@@ -96,15 +99,15 @@ def test_app_refuses_a_door_that_names_a_file_outside_its_folder(store, place):
     text = workflow.EXAMPLES["door.toml"]().replace("door_line.csv", place)
     identity = store.put("door.toml", text.encode())
     with pytest.raises(dp.ReadError, match="names a file elsewhere"):
-        ask("judged", store, kind="door", files=[identity], said={})
+        ask("standalone", store, kind="door", files=[identity], form_values={})
 
 
 def test_a_door_stands_on_the_files_that_are_open(store):
     files = put(store, ["door.toml", "door_line.csv", "door_modes.csv"])
-    assert ask("inspect", store, file=files[0])["page"] == "judged"
+    assert ask("inspect", store, file=files[0])["page"] == "standalone"
     assert ask("inspect", store, file=files[1])["page"] == "part"
     (test,) = put(store, ["seal_8mm.csv"])
-    head = ask("judged", store, kind="door", files=files, said={}, test=test)
+    head = ask("standalone", store, kind="door", files=files, form_values={}, test=test)
     assert "27.3" in head["verdict"] + head["answers"]
     assert head["command"] == "dashpot predict door.toml"
     # as its own page: the line, the response, the modes with their shares as bars, the shapes
@@ -117,4 +120,4 @@ def test_a_door_stands_on_the_files_that_are_open(store):
     assert head["colour"] == "care"
     assert head["verdict"].count("#i-care") == 2
     with pytest.raises(dp.DashpotError):  # without the fit that it names
-        ask("judged", store, kind="door", files=files, said={})
+        ask("standalone", store, kind="door", files=files, form_values={})

@@ -139,7 +139,7 @@ def test_limits_that_are_widened_lie_on_both_sides_of_the_fit(kind: str, shift: 
     assert end.widen_to_contain(solid) == end
 
 
-def test_end_of_hold_states_known_and_unknown_stiffness() -> None:
+def test_end_of_hold_states_determined_and_undetermined_stiffness() -> None:
     end = EndOfHold(40.0, (181.9, 196.9), (153.0, 195.0), (0.0, 195.0), 4.0)
     assert end.format_with_remedy("N/m") == (
         "the stiffness after the hold. At 40.0 s it is 0.1819 to 0.1969 N/mm. It may fall further, "
