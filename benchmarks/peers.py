@@ -1,11 +1,11 @@
-"""What dashpot is measured against: one table of one run, for docs/peers.md.
+"""What dashpot is measured against: one table of one run, for docs/performance.md.
 
-    pip install lmfit pyvisco pyFRF sdypy-EMA && python benchmarks/peers.py [--write]
+    pip install lmfit pyvisco pyFRF sdypy-EMA polars pyarrow && python benchmarks/peers.py [--write]
 
 Each row does one job by dashpot and by a peer on the same data, in turns: CPU time of one process
 (median), and one number of how good the answer is. dashpot gets no start anywhere; the peers get
 what is said in the row. A peer that is not installed has no row. With `--write` the table goes into
-docs/peers.md between its two marks. The single benchmarks beside this one go deeper.
+docs/performance.md between its two marks. The single benchmarks beside this one go deeper.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from dashpot.vibration.mass_on_seals import model_modes
 
 ROOT = Path(__file__).resolve().parents[1]
 CURVES = ROOT / "tests" / "data" / "pyvisco-master-curves"
-PAGE = ROOT / "docs" / "peers.md"
+PAGE = ROOT / "docs" / "performance.md"
 MARKS = ("<!-- peers: benchmarks/peers.py --write -->\n", "<!-- end of peers -->\n")
 STARTS = 20
 SEAL = frf_peers.PAPER

@@ -235,9 +235,11 @@ def texts() -> Iterator[tuple[str, str]]:
 
 
 def test_a_text_says_the_standard_term() -> None:
+    any_word = re.compile("|".join(rf"\b(?:{word})\b" for word, *_ in STANDARD), re.IGNORECASE)
     result = [
         f"{file}: say {term!r}, not {word!r}"
         for file, text in texts()
+        if any_word.search(text)
         for word, term, allowed in STANDARD
         if file not in allowed and re.search(rf"\b(?:{word})\b", text, re.IGNORECASE)
     ]
