@@ -236,6 +236,10 @@ def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> flo
     return scale * float(np.sqrt(white(jacobian, variance)[-1, -1]))
 
 
+# samples in air that make the baseline of a record that starts on the ramp
+MIN_AIR_SAMPLES = 5
+
+
 class Touch(NamedTuple):
     """Candidate for the first contact.
 
@@ -277,11 +281,11 @@ def find_first_contact(
     least_gap : float
         Smallest gap that is detected, m.
     is_rested : bool
-        False if the record starts on the ramp: then at least 20 quiet samples must show the air,
+        False if the record starts on the ramp: then at least MIN_AIR_SAMPLES must show the air,
         for there is no other baseline.
     """
     contact = find_contact(displacement, force, noise=noise)
-    if contact is None or (not is_rested and contact.sample < 20):
+    if contact is None or (not is_rested and contact.sample < MIN_AIR_SAMPLES):
         return Touch(rest_position, 0.0)
     air_gap = contact.displacement - rest_position
     if not max(least_gap, 3 * contact.standard_error) < air_gap < 0.9 * (level - rest_position):
