@@ -678,6 +678,40 @@ def test_a_page_that_is_loaded_again_has_lost_nothing(visit, files):
     assert "--arms" not in second.locator("#command").inner_text()
 
 
+def test_steps_of_a_session_of_another_version_are_not_offered(visit, files):
+    """They open with it, and nothing could go back to them."""
+
+    def write_as_another_version(route):
+        if not route.request.post_data:
+            route.continue_()
+            return
+        state = json.loads(route.request.post_data)
+        state["past"] = [
+            {"key": step["key"], "words": step["words"], "kept": step["saved"]}
+            for step in state["past"]
+        ]
+        route.continue_(post_data=json.dumps(state))
+
+    page = visit(files / "seal_8mm.csv")
+    page.done()
+    page.context.route("**/api/state", write_as_another_version)
+    page.at.keyboard.press("3")
+    page.at.locator("#command").filter(has_text="--arms 3").wait_for()
+    page.done()
+    page.at.locator("#undo").wait_for()
+    page.at.reload()
+    page.at.locator("body[data-ready=true]").wait_for()
+    page.done()
+    assert "--arms 3" in page.at.locator("#command").inner_text()
+    page.context.unroute("**/api/state")
+    assert page.at.locator("#undo").is_hidden()
+    page.at.keyboard.press("4")
+    page.at.locator("#command").filter(has_text="--arms 4").wait_for()
+    page.at.get_by_role("button", name="History").click()
+    page.at.get_by_role("button", name="opened").click()
+    page.at.locator("#command").filter(has_text="--arms 3").wait_for()
+
+
 def test_page_fits_kinds_without_a_second_test(visit, tmp_path):
     pieces = ("cld_1.csv", "cld_2.csv", "cld_3.csv")
     for name in (*pieces, "tension.csv", "hit.csv"):

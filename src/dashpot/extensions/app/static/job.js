@@ -85,6 +85,8 @@ export let state = fresh();
 export function restore(/** @type {Partial<State>} */ saved) {
   state = { ...fresh(), ...saved };
   if (!["ab", "all"].includes(state.against)) state.against = "";
+  // a session of another version may hold steps that nothing can go back to
+  state.past = state.past.filter((step) => step.saved);
 }
 
 /** @returns {(openFile: OpenFile) => boolean} */
