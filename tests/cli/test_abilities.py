@@ -155,7 +155,7 @@ def test_command_refuses_invalid_input_in_one_sentence(
 
 
 def test_every_test_that_the_page_names_is_there() -> None:
-    page = (ROOT / "docs" / "peers.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8")
     named = re.findall(r"`(tests/[\w/]+\.py)(?:::(\w+))?`", page)
     assert len(named) > 20
     for path, name in named:

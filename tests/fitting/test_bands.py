@@ -11,6 +11,7 @@ import pytest
 from kit.fits import replace_fields
 
 from dashpot.base.errors import DataError, FitError
+from dashpot.datamodel.bounds import MAX_LOSS_FACTOR_ERROR
 from dashpot.datamodel.fit import Fit
 from dashpot.datamodel.frf import FRF
 from dashpot.datamodel.machine import Machine
@@ -114,6 +115,19 @@ def test_the_measured_frf_lies_in_the_band(
     assert formal.mean() < inside.mean()
     assert (band.unmeasured[0] <= band.magnitude * (1 + 1e-6)).all()
     assert (band.parameter[0] <= band.magnitude).all()
+
+
+@pytest.mark.parametrize(("octaves", "line"), [(0.7, None), (1.3, None), (0.7, 10.0)])
+def test_a_valid_band_is_an_octave_or_contains_its_line(octaves, line):
+    """From 0.017 to 0.021 Hz "use" is of no use; about a resonance that was measured it is."""
+
+    def errors(hertz: float) -> tuple[float, float]:
+        return 0.03, 0.2 * (MAX_LOSS_FACTOR_ERROR / 0.2) ** (np.log2(hertz / 10) / octaves * 2) ** 2
+
+    lines = {at: errors(at) for at in (1.0, 9.0, 10.0, 11.0, 100.0)}
+    band, _ = find_loss_factor_band(errors, (1.0, 100.0), lines, included_line=line)
+    width = np.log2(band[1] / band[0])
+    assert width == pytest.approx(octaves, rel=0.15) if octaves > 1 or line else band == (1.0, 100)
 
 
 @pytest.mark.parametrize("known", [1.0, 10.0, 100.0, None])

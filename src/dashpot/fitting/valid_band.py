@@ -22,6 +22,8 @@ from dashpot.solids.maxwell import Solid
 MAX_END_LINES = 5
 #: an end is found at this part of the largest admissible error, or to this tolerance of ln f
 END_ERROR_RATIO, END_TOLERANCE = 0.85, 0.05
+#: a band is at least an octave wide
+MIN_BAND_RATIO = 2.0
 ErrorFunction: TypeAlias = Callable[[float], tuple[float, float]]
 
 
@@ -34,8 +36,8 @@ def find_loss_factor_band(
 ) -> tuple[tuple[float, float], BandError]:
     """Return the widest part of a band in which the loss factor is known, and its errors.
 
-    With `included_line` it is the part that contains it. Where the loss factor is known at no
-    line, at one alone, or not at that one, the whole band is returned with its errors.
+    With `included_line` it is the part that contains it, however narrow. Where the loss factor is
+    known over less than an octave, or not at that line, the whole band is returned with its errors.
 
     Parameters
     ----------
@@ -65,7 +67,7 @@ def find_loss_factor_band(
             end = _find_band_end(errors, all_errors, end, float(frequencies[outside_index]))
         band_ends.append(end)
     low, high = band_ends
-    if low == high:
+    if high <= low * (1.0 if included_line else MIN_BAND_RATIO):
         return band, _build_band_error(all_errors)
     return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
 
