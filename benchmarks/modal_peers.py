@@ -89,10 +89,15 @@ def shapes_by_dashpot(points: FRFSet) -> tuple[ModeEstimates, tuple[ModeShape, .
     modes = points.modes(band=BAND)
     stabilisation(points, band=BAND)
     seconds = process_time() - start
-    message = [
-        (mode.mode.frequency, mode.mode.damping_ratio, mode.normalised_residues) for mode in modes
+    estimates = [
+        (
+            mode.mode.frequency,
+            mode.mode.damping_ratio,
+            mode.residues / mode.residues[np.argmax(np.abs(mode.residues))],
+        )
+        for mode in modes
     ]
-    return ModeEstimates(message, seconds), modes
+    return ModeEstimates(estimates, seconds), modes
 
 
 def rms(errors: list[float]) -> str:
