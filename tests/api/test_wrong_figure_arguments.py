@@ -15,6 +15,11 @@ FUNCTIONS = [name for name in dir(dp.plot) if isinstance(getattr(dp.plot, name),
 WRONG: tuple[Any, ...] = ("x", "3", 3, None, [], ["x"], {"a": 1}, object(), b"x", 1j)
 
 
+def test_a_figure_is_one_function_and_what_the_stub_imports_is_none() -> None:
+    assert dp.plot.frf is dp.plot.frf
+    assert not {"Callable", "Any"} & set(dir(dp.plot))
+
+
 def test_every_figure_is_called() -> None:
     assert {"frf", "stiffness", "door", "to_svg", "hero"} <= set(FUNCTIONS)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -19,9 +21,14 @@ from dashpot.base.arrays import (
     sample_count,
     set_readonly,
     slow_periodogram,
+    to_complex,
+    to_float,
     validate_measured,
 )
 from dashpot.base.errors import DataError
+from dashpot.solids.elastic import ElasticLaw
+from dashpot.solids.nonlinear_springs import Cubic
+from dashpot.solids.shift_laws import WLF, Arrhenius
 
 
 @given(
@@ -106,3 +113,32 @@ def test_a_wave_and_a_turned_sum_are_those_of_exponentials(count):
 def test_a_quantile_is_that_of_numpy(rows, seed, part):
     values = np.random.default_rng(seed).normal(size=(rows, 3))
     assert (interpolate_quantile(values, part) == np.quantile(values, part, axis=0)).all()
+
+
+@pytest.mark.parametrize("to_numbers", [to_float, to_complex])
+@pytest.mark.parametrize(
+    "values", [3, [1, 2.5], np.float32(2), [Fraction(1, 2)], np.array([1.0, 2], dtype=object)]
+)
+def test_numbers_of_any_type_are_an_array(to_numbers, values):
+    assert to_numbers(values).tolist() == np.asarray(values, dtype=float).tolist()
+
+
+@pytest.mark.parametrize("to_numbers", [to_float, to_complex])
+@pytest.mark.parametrize("values", ["3", ["3", 4.0], b"3", None, [None], [np.datetime64("2026")]])
+def test_what_is_no_number_is_refused(to_numbers, values):
+    """NumPy reads a text as a number, and None as nan."""
+    with pytest.raises(TypeError):
+        to_numbers(values)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        ElasticLaw.linear(200.0, 8e-3).path, ElasticLaw.linear(200.0, 8e-3).factor,
+        Cubic(1e9).stiffness, WLF(8.86, 101.6, 296.15).log10_a_t, Arrhenius(9e4, 296.15).a_t,
+    ],
+)  # fmt: skip
+def test_no_law_reads_a_text(function):
+    for text in ("3", ["3"]):
+        with pytest.raises((TypeError, dp.DataError)):
+            function(text)

@@ -145,6 +145,17 @@ def convert_numbers_to_si(
     )
 
 
+def to_float(values: npt.ArrayLike) -> FloatArray:
+    """Return real numbers as an array.
+
+    Raises
+    ------
+    TypeError
+        If they are no real numbers; NumPy would also read a text.
+    """
+    return _cast(values, np.float64)
+
+
 def to_complex(values: npt.ArrayLike) -> ComplexArray:
     """Return numbers as a complex array.
 
@@ -153,7 +164,14 @@ def to_complex(values: npt.ArrayLike) -> ComplexArray:
     TypeError
         If they are no numbers; NumPy would also read a text.
     """
-    return np.asarray(values).astype(complex, casting="same_kind", copy=False)
+    return _cast(values, np.complex128)
+
+
+def _cast(values: npt.ArrayLike, dtype: type) -> npt.NDArray[Any]:
+    array = np.asarray(values)
+    # an object column of pandas, or fractions; None would become a number that is none
+    is_mixed = array.dtype == object and None not in array.flat
+    return array.astype(dtype, casting="unsafe" if is_mixed else "same_kind", copy=False)
 
 
 def validate_complex_samples(name: str, values: npt.ArrayLike) -> ComplexArray:

@@ -52,13 +52,14 @@ def _read_homes(package: str, stub: str) -> dict[str, tuple[str, str]]:
     with open(stub, encoding="utf-8") as file:
         tree = ast.parse(file.read())
     homes = {
-        alias.asname or alias.name: (
+        alias.asname: (
             resolve_name("." * line.level + (line.module or ""), package),
             alias.name,
         )
         for line in tree.body
         if isinstance(line, ast.ImportFrom)
         for alias in line.names
+        if alias.asname  # PEP 484: a name is exported as itself
     }
     # ``_name``: where a name is whose signature another line of the stub names
     homes |= {name[1:]: homes.pop(name) for name in list(homes) if name[1:] in homes}

@@ -67,7 +67,7 @@ def find_loss_factor_band(
             end = _find_band_end(errors, all_errors, end, float(frequencies[outside_index]))
         band_ends.append(end)
     low, high = band_ends
-    if high <= low * (1.0 if included_line else MIN_BAND_RATIO):
+    if high <= low * (MIN_BAND_RATIO if included_line is None else 1.0):
         return band, _build_band_error(all_errors)
     return (low, high), _build_band_error({f: e for f, e in all_errors.items() if low <= f <= high})
 

@@ -8,7 +8,7 @@ The names stand in ``__init__.pyi``, those of an extension in its rows; each is 
 first used.
 """
 
-from functools import wraps
+from functools import cache, wraps
 from types import FunctionType
 from typing import Any
 
@@ -26,7 +26,8 @@ def __getattr__(name: str) -> Any:
     return _add_advice(value) if isinstance(value, FunctionType) else value
 
 
-def _add_advice(function: Any) -> Any:
+@cache
+def _add_advice(function: FunctionType) -> FunctionType:
     """Let errors of a figure's function say what to do, as a decorator."""
 
     @wraps(function)

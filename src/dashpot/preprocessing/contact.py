@@ -236,7 +236,7 @@ def _estimate_contact_error(x: FloatArray, f: FloatArray, contact: float) -> flo
     return scale * float(np.sqrt(white(jacobian, variance)[-1, -1]))
 
 
-# samples in air that make the baseline of a record that starts on the ramp
+# samples in air, at least, that show it where a record starts on the ramp
 MIN_AIR_SAMPLES = 5
 
 
@@ -281,7 +281,7 @@ def find_first_contact(
     least_gap : float
         Smallest gap that is detected, m.
     is_rested : bool
-        False if the record starts on the ramp: then at least MIN_AIR_SAMPLES must show the air,
+        False if the record starts on the ramp: :data:`MIN_AIR_SAMPLES` must show the air then,
         for there is no other baseline.
     """
     contact = find_contact(displacement, force, noise=noise)

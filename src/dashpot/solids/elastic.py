@@ -13,6 +13,7 @@ from dashpot.base.arrays import (
     FloatArray,
     require_increasing,
     require_same_length,
+    to_float,
     validate_samples,
 )
 from dashpot.base.errors import DataError
@@ -97,7 +98,7 @@ class ElasticLaw(Serialisable):
 
     def path(self, x: npt.ArrayLike) -> FloatArray:
         """The compression of a linear seal with the same force, m: the force over `stiffness`."""
-        x = np.asarray(x, dtype=float)
+        x = to_float(x)
         knots, ratio, bends, force_at_knots = self._intervals
         clipped = np.minimum(np.maximum(x, 0.0), knots[-1])
         i = knots[1:-1].searchsorted(clipped, side="right")
@@ -116,7 +117,7 @@ class ElasticLaw(Serialisable):
 
     def secant(self, x: npt.ArrayLike) -> FloatArray:
         """Secant stiffness F_e/x, N/m; at x = 0 its limit."""
-        x = np.asarray(x, dtype=float)
+        x = to_float(x)
         safe = np.where(x == 0, 1.0, x)
         return np.where(x == 0, self.tangent(0.0), self.force(x) / safe)
 
@@ -131,7 +132,7 @@ class ElasticLaw(Serialisable):
 
     def factor(self, x: npt.ArrayLike) -> FloatArray:
         """Tangent stiffness over `stiffness`: what small vibration about x does to every arm."""
-        return np.asarray(np.interp(np.asarray(x, dtype=float), self.knots, self.ratio))
+        return np.asarray(np.interp(to_float(x), self.knots, self.ratio))
 
     @property
     def is_gentle(self) -> bool:
@@ -150,7 +151,7 @@ class ElasticLaw(Serialisable):
 
     def factor_se(self, x: npt.ArrayLike) -> FloatArray:
         """Standard error of `factor`, at most: errors of neighbouring knots taken as one; or 0."""
-        x = np.asarray(x, dtype=float)
+        x = to_float(x)
         return np.asarray(np.interp(x, self.knots, self.ratio_se or np.zeros(len(self.knots))))
 
     def compression(self, force: float) -> float:

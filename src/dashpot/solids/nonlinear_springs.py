@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dashpot.base import dataclass
-from dashpot.base.arrays import ComplexArray, FloatArray
+from dashpot.base.arrays import ComplexArray, FloatArray, to_float
 from dashpot.base.errors import DataError
 from dashpot.solids.rate_independent import RateIndependent, amplitudes
 
@@ -29,14 +29,14 @@ class Cubic(RateIndependent):
 
     def unloading(self, x: FloatArray, amplitude: FloatArray) -> FloatArray:  # noqa: ARG002
         """Force, N: the same up and down."""
-        return self.k3 * np.asarray(x, dtype=float) ** 3
+        return self.k3 * to_float(x) ** 3
 
     def start(self) -> None:
         """A spring has no state."""
 
     def step(self, state: None, x: float) -> tuple[float, None]:  # noqa: ARG002
         """Force, N."""
-        return float(self.k3 * np.asarray(x) ** 3), None
+        return float(self.k3 * to_float(x) ** 3), None
 
     def stiffness(self, amplitude: npt.ArrayLike) -> ComplexArray:
         """Equivalent stiffness, N/m, in closed form."""

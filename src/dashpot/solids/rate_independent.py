@@ -24,6 +24,7 @@ from dashpot.base.arrays import (
     FloatArray,
     require_increasing,
     require_same_length,
+    to_float,
     validate_samples,
 )
 from dashpot.base.errors import DataError
@@ -238,7 +239,7 @@ def amplitudes(amplitude: npt.ArrayLike) -> FloatArray:
     DataError
         If one is not a number above 0.
     """
-    X = np.asarray(amplitude, dtype=float)
+    X = to_float(amplitude)
     if not (np.isfinite(X) & (X > 0)).all():
         bad_amplitude = X[~(np.isfinite(X) & (X > 0))].flat[0]
         raise DataError(f"amplitude = {bad_amplitude:g}; expected a displacement > 0, in m")

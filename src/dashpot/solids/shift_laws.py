@@ -20,6 +20,7 @@ from dashpot.base.arrays import (
     FloatArray,
     require_increasing,
     require_same_length,
+    to_float,
     validate_samples,
 )
 from dashpot.base.errors import DataError
@@ -135,7 +136,7 @@ class WLF(TemperatureLaw):
 
     def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Decadic logarithm of the shift factor at temperatures, K."""
-        temperature_difference = np.asarray(temperature, dtype=float) - self.reference
+        temperature_difference = to_float(temperature) - self.reference
         if (self.c2 + temperature_difference <= 0).any():
             raise DataError(
                 f"{float(np.min(temperature_difference)) + self.reference:.5g} K is at or below "
@@ -145,7 +146,7 @@ class WLF(TemperatureLaw):
 
     def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
         """Apparent activation energy, J/mol, at temperatures, K."""
-        t = np.asarray(temperature, dtype=float)
+        t = to_float(temperature)
         return np.asarray(
             _LN10 * GAS_CONSTANT * self.c1 * self.c2 * t**2 / (self.c2 + t - self.reference) ** 2
         )
@@ -180,12 +181,12 @@ class Arrhenius(TemperatureLaw):
 
     def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Decadic logarithm of the shift factor at temperatures, K."""
-        t = np.asarray(temperature, dtype=float)
+        t = to_float(temperature)
         return np.asarray(self.energy / (GAS_CONSTANT * _LN10) * (1 / t - 1 / self.reference))
 
     def activation_energy(self, temperature: npt.ArrayLike) -> FloatArray:
         """E_a, J/mol, whatever the temperature."""
-        return np.full_like(np.asarray(temperature, dtype=float), self.energy)
+        return np.full_like(to_float(temperature), self.energy)
 
 
 @dataclass(frozen=True)
@@ -230,7 +231,7 @@ class FreeShifts(TemperatureLaw):
 
     def log10_a_t(self, temperature: npt.ArrayLike) -> FloatArray:
         """Decadic logarithm of the shift factor at temperatures, K, between the tested ones."""
-        t = np.asarray(temperature, dtype=float)
+        t = to_float(temperature)
         low, high = self.temperatures[0], self.temperatures[-1]
         outside = t[(t < low) | (t > high)]
         if outside.size:
@@ -245,7 +246,7 @@ class FreeShifts(TemperatureLaw):
         """Apparent activation energy between neighbouring tested temperatures, J/mol."""
         if len(self.temperatures) < 2:
             raise DataError("one temperature has no activation energy: test at a second one")
-        t = np.asarray(temperature, dtype=float)
+        t = to_float(temperature)
         self.log10_a_t(t)  # refuses what is outside
         inverse, shift = 1 / np.array(self.temperatures), np.array(self.log10_shifts)
         slope = np.diff(shift) / np.diff(inverse)

@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.base.arrays import FloatArray, find_true_runs, median
 from dashpot.datamodel.relaxation import find_quantum
 from dashpot.extensions.materials.strokes import Stroke
-from dashpot.preprocessing.contact import find_contact, find_first_contact
+from dashpot.preprocessing.contact import MIN_AIR_SAMPLES, find_contact, find_first_contact
 from dashpot.signals.noise import estimate_robust_scatter
 
 _MIN_REST_SAMPLES = 5
@@ -139,4 +139,4 @@ def _measure_air_force(
 def find_later_contact(x: FloatArray, force: FloatArray, *, noise: float) -> float | None:
     """Return the compression at which a later loading meets the seal, m; None if in no air."""
     contact = find_contact(x, force, noise=noise)
-    return None if contact is None or contact.sample < _MIN_REST_SAMPLES else contact.displacement
+    return None if contact is None or contact.sample < MIN_AIR_SAMPLES else contact.displacement
