@@ -67,8 +67,8 @@ FILTER_SD = 1.0
 # a doubt is smooth, and needs few digits: samples of the hold at which it is laid out, three times
 # as many of the ramp, and relaxation times of which it is a sum
 DOUBT_SAMPLES, DOUBT_TIMES = 100, 16
-# rows of a long hold whose samples differ in weight
-MAX_HOLD_ROWS = 10_000
+# rows of a long hold whose samples differ in weight; 10,000 would move limits by 0.5 % at most
+MAX_HOLD_ROWS = 2_000
 # samples of earlier loadings
 MAX_HISTORY_SAMPLES = 4000
 # cycles per record between which noise limits the detection of an arm
